@@ -1,0 +1,2 @@
+#![no_std]
+//! All that runs inside the loop.
