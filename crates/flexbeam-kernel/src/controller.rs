@@ -83,7 +83,7 @@ impl<'a> Controller<'a> {
         if let Some(index) = coefficients.iter().position(|c| !c.is_finite()) {
             return Err(Error::NotFinite { index });
         }
-        let (AB, CD) = coefficients.split_at(order * (order + Self::INPUTS));
+        let (AB, CD) = coefficients.split_at_checked(order * (order + Self::INPUTS)).unwrap_or_default();
         Ok(Self { order, coefficients, AB, CD })
     }
 

@@ -28,11 +28,12 @@ impl<'a> State<'a> {
     /// Errors: [`Error::Memory`] when it has another length.
     pub fn new(controller: &Controller<'_>, memory: &'a mut [f64]) -> Result<Self, Error> {
         let (needed, found) = (controller.state_len(), memory.len());
-        if found != needed {
+        let halves = memory.split_at_mut_checked(controller.order() + Controller::INPUTS);
+        let Some((z, next)) = halves.filter(|_| found == needed) else {
             return Err(Error::Memory { needed, found });
-        }
-        memory.fill(0.0);
-        let (z, next) = memory.split_at_mut(controller.order() + Controller::INPUTS);
+        };
+        z.fill(0.0);
+        next.fill(0.0);
         Ok(Self {
             z,
             next,
