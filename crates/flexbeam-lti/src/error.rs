@@ -1,4 +1,4 @@
-use crate::Time;
+use crate::{C64, Time};
 
 /// Why a question about a linear system cannot be answered.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -42,5 +42,112 @@ pub enum Error {
     Period {
         /// The period found.
         period_s: f64,
+    },
+    /// A question that makes no sense on a system's time axis.
+    #[error("{what} needs {needed}; the system has {found}")]
+    WrongTime {
+        /// What was asked for.
+        what: &'static str,
+        /// The system's time.
+        found: Time,
+        /// The time needed.
+        needed: &'static str,
+    },
+    /// A delay that is negative or not finite.
+    #[error("delay {delay_s} s; it must be zero or positive and finite")]
+    Delay {
+        /// The delay found.
+        delay_s: f64,
+    },
+    /// A pole on the one point that a bilinear map sends to infinity.
+    #[error("the bilinear map needs a system without pole at {at}; found {found}")]
+    MappedPole {
+        /// The point sent to infinity.
+        at: f64,
+        /// The pole found.
+        found: C64,
+    },
+    /// Feedback whose algebraic loop has no solution.
+    #[error("I + D_K D_G is singular (reciprocal condition {reciprocal_condition:.1e}): the loop is not well posed")]
+    AlgebraicLoop {
+        /// Smallest over largest singular value.
+        reciprocal_condition: f64,
+    },
+    /// An inverse that would not be proper.
+    #[error("D is singular (reciprocal condition {reciprocal_condition:.1e}): the inverse is not proper")]
+    SingularFeedthrough {
+        /// Smallest over largest singular value.
+        reciprocal_condition: f64,
+    },
+    /// A channel that the system does not have.
+    #[error("{what} {index} (from 0) of a system with {count}")]
+    NoSuchChannel {
+        /// Input or output.
+        what: &'static str,
+        /// The channel asked for, from 0.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A denominator that is zero, or has no coefficients.
+    #[error("the denominator is zero")]
+    ZeroDenominator,
+    /// More zeros than poles: no state space has this function.
+    #[error("{zeros} zeros and {poles} poles: a state space needs at least as many poles as zeros")]
+    Improper {
+        /// Degree of the numerator.
+        zeros: usize,
+        /// Degree of the denominator.
+        poles: usize,
+    },
+    /// A complex root whose conjugate is missing.
+    #[error("{what} {value} without its conjugate: the function is not real")]
+    NotConjugate {
+        /// Zero or pole.
+        what: &'static str,
+        /// The root that stands alone.
+        value: C64,
+    },
+    /// An iteration that did not settle.
+    #[error("{what} did not converge in {iterations} iterations")]
+    NotConverged {
+        /// Which iteration.
+        what: &'static str,
+        /// How many were tried.
+        iterations: usize,
+    },
+    /// A chosen eigenvalue that agrees with one left behind.
+    #[error("eigenvalue {re:.6} + {im:.6}j lies in both parts of the division to working precision; move the dividing line")]
+    NotSeparable {
+        /// Real part.
+        re: f64,
+        /// Imaginary part.
+        im: f64,
+    },
+    /// A linear matrix equation with no unique solution.
+    #[error("the matrix equation is singular: eigenvalue {re:.6} + {im:.6}j is shared by its two sides")]
+    SharedEigenvalue {
+        /// Real part.
+        re: f64,
+        /// Imaginary part.
+        im: f64,
+    },
+    /// A pole on the imaginary axis or the unit circle.
+    #[error("pole {re:.6} + {im:.6}j is on the stability boundary to working precision; shift the axis by a stability degree")]
+    BoundaryPole {
+        /// Real part.
+        re: f64,
+        /// Imaginary part.
+        im: f64,
+    },
+    /// A pole in the wrong half of the plane.
+    #[error("pole {re:.6} + {im:.6}j; needed: all poles {needed}")]
+    WrongSide {
+        /// Real part.
+        re: f64,
+        /// Imaginary part.
+        im: f64,
+        /// Where poles must lie.
+        needed: &'static str,
     },
 }

@@ -3,9 +3,20 @@
 //! Enters: matrices, signals. Leaves: poles, zeros, norms, responses, other systems.
 //! Deliberately absent: files, the clock, random numbers, the rig.
 
+mod blocks;
+pub mod connections;
+#[cfg(test)]
+mod draw;
 mod error;
+pub mod hankel;
+pub mod schur;
+pub mod exponential;
+pub mod sampling;
 mod signals;
+pub mod split;
+pub mod simulation;
 mod state_space;
+pub mod sylvester;
 mod time;
 
 pub use error::Error;

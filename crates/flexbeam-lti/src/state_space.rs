@@ -1,3 +1,4 @@
+use crate::schur::spectrum;
 use crate::{C64, CMat, Error, Mat, Time};
 
 /// x' = A x + B u, y = C x + D u; or x(k+1) = A x(k) + B u(k).
@@ -57,7 +58,7 @@ impl StateSpace {
 
     /// Eigenvalues of A.
     pub fn poles(&self) -> Vec<C64> {
-        self.A.complex_eigenvalues().iter().copied().collect()
+        spectrum(&self.A).expect("QR iteration converges on the finite square matrix that `new` has checked")
     }
 
     /// G(s) = C (s I - A)^-1 B + D at one point of the s- or z-plane.
@@ -65,6 +66,9 @@ impl StateSpace {
     /// Returns infinite entries when `s` is a pole to working precision. O(n^3); for many points use
     /// `frequency_response`.
     pub fn at(&self, s: C64) -> CMat {
+        if self.order() == 0 {
+            return self.D.map(C64::from);
+        }
         let pencil = CMat::from_diagonal_element(self.order(), self.order(), s) - self.A.map(C64::from);
         let D = self.D.map(C64::from);
         match pencil.lu().solve(&self.B.map(C64::from)) {
@@ -94,7 +98,7 @@ impl StateSpace {
     }
 }
 
-fn expect_shape(what: &'static str, M: &Mat, rows: usize, columns: usize) -> Result<(), Error> {
+pub(crate) fn expect_shape(what: &'static str, M: &Mat, rows: usize, columns: usize) -> Result<(), Error> {
     if M.shape() == (rows, columns) {
         return Ok(());
     }
@@ -107,7 +111,7 @@ fn expect_shape(what: &'static str, M: &Mat, rows: usize, columns: usize) -> Res
     })
 }
 
-fn expect_finite(what: &'static str, M: &Mat) -> Result<(), Error> {
+pub(crate) fn expect_finite(what: &'static str, M: &Mat) -> Result<(), Error> {
     match M.iter().position(|x| !x.is_finite()) {
         None => Ok(()),
         Some(k) => Err(Error::NotFinite { what, row: k % M.nrows() + 1, column: k / M.nrows() + 1, value: M[k] }),

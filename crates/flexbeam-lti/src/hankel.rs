@@ -1,0 +1,188 @@
+//! Hankel singular values: how much of the input each state carries to the output.
+//!
+//! Enters: a stable or an antistable system. Leaves: its Hankel singular values, Gramians as factors.
+//! Deliberately absent: optimal Hankel-norm approximation.
+
+use crate::split::{expect_no_boundary_pole, expect_stable, is_stable};
+use crate::sylvester::{discrete_lyapunov, lyapunov};
+use crate::{Error, Mat, StateSpace, Time};
+
+/// Square roots of the eigenvalues of P Q, P and Q the Gramians of a stable system, descending.
+///
+/// Errors: [`Error::WrongSide`], [`Error::BoundaryPole`] for a pole that is not stable; those of [`lyapunov`].
+/// Numerics: singular values of L_Q' L_P from factors of P and Q, so each is known to about sqrt(eps) of the largest.
+/// Source: Moore 1981; Tombs and Postlethwaite 1987 for the factors.
+pub fn hankel_singular_values(G: &StateSpace) -> Result<Vec<f64>, Error> {
+    expect_stable(G)?;
+    if G.order() == 0 {
+        return Ok(Vec::new());
+    }
+    let (L_P, L_Q) = gramian_factors(G)?;
+    Ok(L_Q.tr_mul(&L_P).singular_values().iter().copied().collect())
+}
+
+/// Hankel singular values of an antistable system, that is of G(-s) or G(1/z), descending.
+///
+/// The smallest one of the antistable part of a plant is the largest additive perturbation that a controller can survive.
+///
+/// Errors: [`Error::WrongSide`], [`Error::BoundaryPole`] for a pole that is not antistable; those of [`lyapunov`].
+/// Source: Glover 1986.
+pub fn antistable_hankel_singular_values(G: &StateSpace) -> Result<Vec<f64>, Error> {
+    let poles = expect_no_boundary_pole(G)?;
+    if let Some(p) = poles.iter().find(|p| is_stable(**p, G.time)) {
+        return Err(Error::WrongSide { re: p.re, im: p.im, needed: "antistable" });
+    }
+    hankel_singular_values(&mirrored(G)?)
+}
+
+/// (L_P, L_Q) with P = L_P L_P', Q = L_Q L_Q', n x n each.
+pub(crate) fn gramian_factors(G: &StateSpace) -> Result<(Mat, Mat), Error> {
+    let gramian = |A: &Mat, Q: &Mat| match G.time {
+        Time::Continuous => lyapunov(A, Q),
+        Time::Sampled { .. } => discrete_lyapunov(A, Q),
+    };
+    let P = gramian(&G.A, &(&G.B * G.B.transpose()))?;
+    let Q = gramian(&G.A.transpose(), &G.C.tr_mul(&G.C))?;
+    Ok((factor(P), factor(Q)))
+}
+
+/// X = L L' for X positive semidefinite up to rounding.
+fn factor(X: Mat) -> Mat {
+    let eigen = X.symmetric_eigen();
+    let mut L = eigen.eigenvectors;
+    for (mut column, lambda) in L.column_iter_mut().zip(&eigen.eigenvalues) {
+        column *= lambda.max(0.0).sqrt();
+    }
+    L
+}
+
+/// G(-s), or G(1/z) without its direct term, which Hankel singular values do not see.
+fn mirrored(G: &StateSpace) -> Result<StateSpace, Error> {
+    let D = Mat::zeros(G.outputs(), G.inputs());
+    let time = G.time;
+    if let Time::Continuous = time {
+        return StateSpace::new(-&G.A, -&G.B, G.C.clone(), D, time);
+    }
+    // C (I/z - A)^-1 B = -C A^-1 (z I - A^-1)^-1 A^-1 B - C A^-1 B; A is invertible: all |z| > 1.
+    let lu = G.A.clone().lu();
+    let solved = |M: &Mat| lu.solve(M).expect("an antistable sampled system has no pole at 0");
+    let A = solved(&Mat::identity(G.order(), G.order()));
+    let B = solved(&G.B);
+    let C = -&G.C * &A;
+    StateSpace::new(A, B, C, D, time)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::draw::Draw;
+    use crate::split::stable_antistable;
+
+    fn siso(A: Mat, B: &[f64], C: &[f64], time: Time) -> StateSpace {
+        let n = A.nrows();
+        let (B, C) = (Mat::from_column_slice(n, 1, B), Mat::from_row_slice(1, n, C));
+        StateSpace::new(A, B, C, Mat::zeros(1, 1), time).unwrap()
+    }
+
+    #[test]
+    fn first_order_closed_forms() {
+        // b c/(s + a): b c/(2 a). b c/(z - a): b c/(1 - a^2).
+        let G = siso(Mat::from_element(1, 1, -0.5), &[3.0], &[2.0], Time::Continuous);
+        assert!((hankel_singular_values(&G).unwrap()[0] - 6.0).abs() < 1e-13);
+        let G = siso(Mat::from_element(1, 1, 0.5), &[3.0], &[2.0], Time::Sampled { period_s: 1.0 });
+        assert!((hankel_singular_values(&G).unwrap()[0] - 8.0).abs() < 1e-13);
+        // 1/(z - 2) mirrored is z/(1 - 2 z) = -1/2 - (1/4)/(z - 1/2): (1/4)/(3/4).
+        let G = siso(Mat::from_element(1, 1, 2.0), &[1.0], &[1.0], Time::Sampled { period_s: 1.0 });
+        assert!((antistable_hankel_singular_values(&G).unwrap()[0] - 1.0 / 3.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn second_order_closed_form() {
+        // omega^2/(s^2 + 2 zeta omega s + omega^2). The cross Gramian has trace G(0)/2 and eigenvalues
+        // sigma_1, -sigma_2: sigma_1 - sigma_2 = 1/2, sigma_1 sigma_2 = 1/(16 zeta^2).
+        for zeta in [0.7, 0.05, 1e-4] {
+            let omega: f64 = 25.0;
+            let A = Mat::from_row_slice(2, 2, &[0.0, 1.0, -omega * omega, -2.0 * zeta * omega]);
+            let G = siso(A, &[0.0, omega * omega], &[1.0, 0.0], Time::Continuous);
+            let sigma = hankel_singular_values(&G).unwrap();
+            assert!((sigma[0] - sigma[1] - 0.5).abs() < 1e-11 * sigma[0], "{sigma:?}");
+            assert!((sigma[0] * sigma[1] * 16.0 * zeta * zeta - 1.0).abs() < 1e-11, "{sigma:?}");
+        }
+    }
+
+    #[test]
+    fn an_all_pass_system_has_only_ones() {
+        let mut draw = Draw(31);
+        let n = 6;
+        let A = draw.stable(n, 0.2);
+        let B = draw.matrix(n, 1);
+        let P = lyapunov(&A, &(&B * B.transpose())).unwrap();
+        // C = B' P^-1, D = -1 is all-pass (Glover 1984).
+        let C = P.lu().solve(&B).unwrap();
+        let G = siso(A, B.as_slice(), C.as_slice(), Time::Continuous);
+        for sigma in hankel_singular_values(&G).unwrap() {
+            assert!((sigma - 1.0).abs() < 1e-6, "{sigma}");
+        }
+    }
+
+    /// Plant (18), psi = theta + alpha.
+    fn paper_plant() -> StateSpace {
+        let A =
+            Mat::from_row_slice(4, 4, &[0., 0., 1., 0., 0., 0., 0., 1., 0., 1060.8, -57.7, 0., 0., -1465.2, 57.7, 0.]);
+        siso(A, &[0., 0., 107.39, -107.39], &[1., 1., 0., 0.], Time::Continuous)
+    }
+
+    #[test]
+    fn robust_radii_of_the_paper_plant() {
+        // DESIGN section 6.
+        for (beta, radius) in [(2.0, 0.4652946), (5.0, 0.1861179), (12.0, 0.0709455), (15.0, 0.0299731)] {
+            let (_, antistable) = stable_antistable(&paper_plant().shifted(beta)).unwrap();
+            let smallest = *antistable_hankel_singular_values(&antistable).unwrap().last().unwrap();
+            println!("beta = {beta}: {smallest:.12}");
+            assert!((smallest - radius).abs() < 1e-6, "beta = {beta}: {smallest:.12}");
+        }
+    }
+
+    #[test]
+    fn a_sampled_system_by_fast_sampling_and_by_its_mirror() {
+        let G = siso(
+            Mat::from_diagonal(&crate::Vector::from_row_slice(&[0.3, -0.6])),
+            &[1.0, 2.0],
+            &[1.0, -1.0],
+            Time::Sampled { period_s: 1.0 },
+        );
+        // Hankel matrix of the impulse response, long enough for 0.6^60.
+        let impulse = |k: i32| 0.3f64.powi(k) - 2.0 * (-0.6f64).powi(k);
+        let H = Mat::from_fn(60, 60, |i, j| impulse((i + j) as i32));
+        let known = H.singular_values();
+        for (sigma, known) in hankel_singular_values(&G).unwrap().iter().zip(known.iter()) {
+            assert!((sigma - known).abs() < 1e-12 * known, "{sigma} {known}");
+        }
+    }
+
+    #[test]
+    fn no_states_no_values_and_wrong_sides_are_named() {
+        let G = StateSpace::static_gain(Mat::identity(2, 2), Time::Continuous).unwrap();
+        assert_eq!(hankel_singular_values(&G).unwrap(), Vec::<f64>::new());
+        let G = siso(Mat::from_element(1, 1, 1.0), &[1.0], &[1.0], Time::Continuous);
+        assert!(matches!(hankel_singular_values(&G), Err(Error::WrongSide { needed: "stable", .. })));
+        assert!(matches!(
+            antistable_hankel_singular_values(&siso(-G.A, &[1.0], &[1.0], Time::Continuous)),
+            Err(Error::WrongSide { .. })
+        ));
+    }
+
+    #[test]
+    fn fifty_states_in_any_coordinates() {
+        let mut draw = Draw(32);
+        let A = draw.stable(50, 0.05);
+        let G = StateSpace::new(A, draw.matrix(50, 3), draw.matrix(2, 50), Mat::zeros(2, 3), Time::Continuous).unwrap();
+        let sigma = hankel_singular_values(&G).unwrap();
+        assert!(sigma.windows(2).all(|pair| pair[0] >= pair[1]));
+        let V = draw.matrix(50, 50).qr().q();
+        let H = StateSpace::new(V.tr_mul(&G.A) * &V, V.tr_mul(&G.B), &G.C * &V, G.D, Time::Continuous).unwrap();
+        for (one, two) in sigma.iter().zip(hankel_singular_values(&H).unwrap()) {
+            assert!((one - two).abs() < 1e-7 * sigma[0]);
+        }
+    }
+}
