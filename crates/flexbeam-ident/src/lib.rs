@@ -1,1 +1,18 @@
-//! flexbeam-ident
+//! From recordings to models.
+//!
+//! Enters: signals. Leaves: state space models, physical parameters, thresholds, and what they were judged by.
+//! Deliberately absent: controllers, files, the rig itself.
+
+mod error;
+mod hankel;
+pub mod identify;
+mod order;
+mod output_map;
+mod projection;
+mod scaling;
+mod subspace;
+mod triangle;
+pub mod validate;
+
+pub use error::Error;
+pub use identify::{Identified, Method, Options, Order, Weighting, identify};

@@ -1,0 +1,145 @@
+use flexbeam_lti::C64;
+
+/// Why a recording cannot be turned into a model.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A setting outside its range.
+    #[error("{setting} is {found}, needed {needed}")]
+    Setting {
+        /// Which setting.
+        setting: &'static str,
+        /// What was asked for.
+        found: f64,
+        /// The range, in words.
+        needed: &'static str,
+    },
+    /// No input or no output channel.
+    #[error("found {inputs} input and {outputs} output channels, needed at least one of each")]
+    NoChannel {
+        /// Inputs found.
+        inputs: usize,
+        /// Outputs found.
+        outputs: usize,
+    },
+    /// Inputs and outputs of different length.
+    #[error("the inputs have {inputs} samples and the outputs {outputs}; they must be recorded together")]
+    Length {
+        /// Samples of the inputs.
+        inputs: usize,
+        /// Samples of the outputs.
+        outputs: usize,
+    },
+    /// Inputs and outputs on different time axes.
+    #[error("the inputs have a period of {input_s} s and the outputs of {output_s} s; resample one of the two")]
+    Period {
+        /// Period of the inputs [s].
+        input_s: f64,
+        /// Period of the outputs [s].
+        output_s: f64,
+    },
+    /// A sample that is infinite or not a number.
+    #[error("channel {channel} is {value} at sample {sample}; hint: cut the recording there or repair the sample")]
+    NotFinite {
+        /// Name of the channel.
+        channel: String,
+        /// Sample, from 0.
+        sample: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// Fewer samples than the block Hankel matrices need.
+    #[error(
+        "found {found} samples for {what}, needed {needed} with {block_rows} block rows; \
+         hint: record longer or take fewer block rows"
+    )]
+    TooFewSamples {
+        /// Which part of the recording.
+        what: &'static str,
+        /// Samples found.
+        found: usize,
+        /// Samples needed.
+        needed: usize,
+        /// Block rows i.
+        block_rows: usize,
+    },
+    /// The input does not move enough: its block Hankel matrix lacks rank.
+    #[error(
+        "the input is not exciting: its block Hankel matrix has rank {rank}, needed {needed} with {block_rows} block \
+         rows; hint: excite every input independently and with many frequencies (white noise is best), or take fewer \
+         block rows"
+    )]
+    NotExciting {
+        /// Rank found.
+        rank: usize,
+        /// Rank needed, 2 i m.
+        needed: usize,
+        /// Block rows i.
+        block_rows: usize,
+    },
+    /// An order that the block rows or the data cannot carry.
+    #[error("order {order} was asked for; {reason}: at most {largest}")]
+    Order {
+        /// Order asked for.
+        order: usize,
+        /// Largest order possible.
+        largest: usize,
+        /// What bounds it.
+        reason: &'static str,
+    },
+    /// The outputs do not answer to the inputs or to any state at all.
+    #[error("the outputs are constant or do not depend on the past: no state to identify")]
+    NoState,
+    /// Physical coordinates need theta and alpha and four states.
+    #[error(
+        "physical coordinates need one input, the outputs theta and alpha and order 4; found {inputs} inputs, {outputs} outputs, order {order}"
+    )]
+    NotTheFlexibleLink {
+        /// Inputs found.
+        inputs: usize,
+        /// Outputs found.
+        outputs: usize,
+        /// Order found.
+        order: usize,
+    },
+    /// [C; CA] is singular: theta and alpha do not determine the state.
+    #[error(
+        "the outputs and their velocities do not determine the state: [C; CA] has reciprocal condition {reciprocal:.1e}"
+    )]
+    Unobservable {
+        /// Smallest over largest singular value.
+        reciprocal: f64,
+    },
+    /// The least squares of the physical parameters left the range where the model means something.
+    #[error("the physical parameters did not settle after {iterations} iterations: last relative step {step:.1e}")]
+    NotSettled {
+        /// Iterations done.
+        iterations: usize,
+        /// Last relative step.
+        step: f64,
+    },
+    /// The hub never moved in one direction of a breakaway test.
+    #[error("the hub never moved {direction}: the ramp reached {reached_v} V; hint: a larger ramp, or a free hub")]
+    NeverMoved {
+        /// `forward` or `backward`.
+        direction: &'static str,
+        /// Largest voltage of that sign [V].
+        reached_v: f64,
+    },
+    /// The hub moved although the ramp was at zero.
+    #[error("the hub moves at {voltage_v} V already, at sample {sample}; hint: let it come to rest before the ramp")]
+    NotAtRest {
+        /// Voltage where the movement starts [V].
+        voltage_v: f64,
+        /// Sample, from 0.
+        sample: usize,
+    },
+    /// The model has poles that have no continuous counterpart.
+    #[error("no continuous model: the sampled pole {pole} has no real logarithm")]
+    NoContinuousForm {
+        /// The pole.
+        pole: C64,
+    },
+    /// A question about the linear system had no answer.
+    #[error(transparent)]
+    Linear(#[from] flexbeam_lti::Error),
+}

@@ -1,0 +1,3 @@
+//! Block Hankel matrices, equation (8), never formed: only their triangular factor is.
+
+pub(crate) mod factor;

@@ -1,0 +1,95 @@
+//! Triangular factor of the block Hankel matrices.
+//!
+//! Enters: inputs and outputs, samples x channels. Leaves: L of H = L Q for all 2i block rows of (8), from which every
+//! projection of (13) follows. Deliberately absent: Q and anything else of width j.
+
+use flexbeam_lti::Mat;
+
+use crate::Error;
+use crate::triangle::{CHUNK_ROWS, Triangle};
+
+/// H = L Q with H = [1; U_f; U_p; Y_p; Y_f] of 2i block rows; the row of ones only on request, and left out of L again.
+///
+/// Leaving out the row of ones projects on its orthogonal complement: each Hankel row loses its own mean.
+pub(crate) struct Factor {
+    /// Lower triangular, 2i(m + l) square, rows in the order of H.
+    pub L: Mat,
+    /// Block rows i.
+    pub i: usize,
+    /// Inputs m.
+    pub m: usize,
+    /// Outputs l.
+    pub l: usize,
+    /// Columns j = s - 2i + 1 of H.
+    pub j: usize,
+}
+
+/// Samples that i block rows of m inputs and l outputs need: as many columns as rows, j >= 2i(m + l).
+pub(crate) fn samples_needed(i: usize, m: usize, l: usize) -> usize {
+    2 * i * (m + l + 1) - 1
+}
+
+impl Factor {
+    /// Shapes: U s x m, Y s x l (columns are channels here: a Hankel row is a stretch of a column).
+    ///
+    /// Errors: [`Error::TooFewSamples`].
+    /// Numerics: chunked Householder QR, 8 i^2 (m + l)^2 operations a sample, memory independent of s.
+    pub fn new(U: &Mat, Y: &Mat, i: usize, constant: bool) -> Result<Factor, Error> {
+        let (s, m, l) = (U.nrows(), U.ncols(), Y.ncols());
+        let needed = samples_needed(i, m, l);
+        if s < needed {
+            return Err(Error::TooFewSamples { what: "estimation", found: s, needed, block_rows: i });
+        }
+        let j = s - 2 * i + 1;
+        let rows: Vec<(&[f64], usize)> = hankel_rows(U, i..2 * i)
+            .chain(hankel_rows(U, 0..i))
+            .chain(hankel_rows(Y, 0..i))
+            .chain(hankel_rows(Y, i..2 * i))
+            .collect();
+        let ones = usize::from(constant);
+        let mut triangle = Triangle::new(ones + rows.len());
+        for first in (0..j).step_by(CHUNK_ROWS) {
+            let width = CHUNK_ROWS.min(j - first);
+            let mut chunk = Mat::from_element(width, ones + rows.len(), 1.0);
+            for (column, (channel, lag)) in rows.iter().enumerate() {
+                let stretch = &channel[first + lag..first + lag + width];
+                chunk.column_mut(ones + column).copy_from_slice(stretch);
+            }
+            triangle.absorb(&mut chunk);
+        }
+        let L = triangle.R.view((ones, ones), (rows.len(), rows.len())).transpose();
+        Ok(Factor { L, i, m, l, j })
+    }
+
+    /// Rows of L that hold the inputs of these lags.
+    pub fn inputs(&self, lags: std::ops::Range<usize>) -> Vec<usize> {
+        let place = |lag: usize| if lag >= self.i { lag - self.i } else { lag + self.i };
+        lags.flat_map(|lag| (0..self.m).map(move |c| place(lag) * self.m + c)).collect()
+    }
+
+    /// Rows of L that hold the outputs of these lags.
+    pub fn outputs(&self, lags: std::ops::Range<usize>) -> Vec<usize> {
+        lags.flat_map(|lag| (0..self.l).map(move |c| 2 * self.i * self.m + lag * self.l + c)).collect()
+    }
+
+    /// Rank of the 2im input rows.
+    ///
+    /// Errors: [`Error::NotExciting`] when they are not independent.
+    pub fn expect_exciting(&self) -> Result<(), Error> {
+        let needed = 2 * self.i * self.m;
+        let singular = self.L.view((0, 0), (needed, needed)).into_owned().singular_values();
+        let floor = singular.max() * INPUT_RANK;
+        let rank = singular.iter().filter(|&&x| x > floor).count();
+        if rank < needed { Err(Error::NotExciting { rank, needed, block_rows: self.i }) } else { Ok(()) }
+    }
+}
+
+/// An input direction that is weaker than this, relative to the strongest, is rounding: 600 rows times the unit roundoff, with
+/// a margin of ten.
+const INPUT_RANK: f64 = 1e-12;
+
+fn hankel_rows(data: &Mat, lags: std::ops::Range<usize>) -> impl Iterator<Item = (&[f64], usize)> {
+    let s = data.nrows();
+    let channels = data.as_slice();
+    lags.flat_map(move |lag| (0..data.ncols()).map(move |c| (&channels[c * s..(c + 1) * s], lag)))
+}

@@ -1,0 +1,265 @@
+//! Subspace identification from end to end: recording in, model out.
+
+use flexbeam_lti::{Mat, Signals, StateSpace, Time, Vector};
+
+use crate::hankel::factor::{Factor, samples_needed};
+use crate::output_map::input_matrices;
+use crate::projection::{Directions, directions};
+use crate::scaling::Scaling;
+use crate::validate::validate;
+use crate::{Error, order, subspace};
+
+/// Weights of equation (14).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weighting {
+    /// W1 = I, W2 = I: the paper's oblique projection as it stands.
+    N4sid,
+    /// W1 = I, W2 the projection orthogonal to U_f.
+    Moesp,
+    /// W1 = (Y_f Pi Y_f')^(-1/2): the singular values are canonical correlations.
+    Cva,
+}
+
+/// How the system matrices are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// What does best on real recordings: [`Method::Moesp`].
+    #[default]
+    Auto,
+    /// Equations (13)-(17) to the letter: state sequences. Exact without noise only.
+    Paper,
+    /// N4SID weighting; A and C from the shift of Gamma, B, D and x(0) from the simulated output.
+    N4sid,
+    /// MOESP weighting; then as N4SID.
+    Moesp,
+    /// CVA weighting; then as N4SID.
+    Cva,
+}
+
+impl Method {
+    fn weighting(self) -> Weighting {
+        match self {
+            Method::Paper | Method::N4sid => Weighting::N4sid,
+            Method::Auto | Method::Moesp => Weighting::Moesp,
+            Method::Cva => Weighting::Cva,
+        }
+    }
+}
+
+/// Order of the model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// From the singular values, [`crate::order`].
+    #[default]
+    Auto,
+    /// This order.
+    Fixed(usize),
+}
+
+/// Settings of [`identify`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Block rows i of (8), default 20. More see slower modes and cost i^2.
+    pub block_rows: usize,
+    /// Order n, default from the singular values.
+    pub order: Order,
+    /// Default [`Method::Auto`].
+    pub method: Method,
+    /// Part of the samples, from the first on, that estimates; the rest validates. Default 0.5; 1 leaves nothing to validate.
+    pub estimate: f64,
+    /// Remove the means of the estimating part from both parts. Default false.
+    pub remove_mean: bool,
+    /// Append a row of ones to the Hankel matrices: each Hankel row loses its own offset, which a drifting record likes. It
+    /// acts on A and C only; B, D and x(0) see the offset that is left. Default false.
+    pub constant_row: bool,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            block_rows: 20,
+            order: Order::Auto,
+            method: Method::Auto,
+            estimate: 0.5,
+            remove_mean: false,
+            constant_row: false,
+        }
+    }
+}
+
+/// An identified model and what it was judged by.
+#[derive(Clone, Debug)]
+pub struct Identified {
+    /// Sampled model, in the recording's units, between the signals without their means.
+    pub model: StateSpace,
+    /// Exact inverse of the zero-order hold, or why there is none.
+    pub continuous: Result<StateSpace, flexbeam_lti::Error>,
+    /// State at the first sample.
+    pub initial_state: Vector,
+    /// Singular values of (14), descending; data scaled to about unit rms.
+    pub singular_values: Vec<f64>,
+    /// Order n of the model.
+    pub order: usize,
+    /// Block rows i.
+    pub block_rows: usize,
+    /// Samples that estimated; the others validated.
+    pub estimation_samples: usize,
+    /// Fit of each output on the validating samples; None when there are none.
+    pub fit_percent: Option<Vec<f64>>,
+    /// Fit of each output on the estimating samples.
+    pub estimation_fit_percent: Vec<f64>,
+    /// Removed from the inputs; zeros unless asked for.
+    pub input_means: Vec<f64>,
+    /// Removed from the outputs; zeros unless asked for.
+    pub output_means: Vec<f64>,
+}
+
+/// Model of order n between recorded inputs and outputs, equations (7)-(17).
+///
+/// Assumes: all channels of both in step; the inputs excite.
+/// Errors: [`Error::Length`], [`Error::Period`], [`Error::NoChannel`], [`Error::NotFinite`], [`Error::Setting`],
+/// [`Error::TooFewSamples`], [`Error::NotExciting`], [`Error::Order`], [`Error::NoState`].
+/// Numerics: channels are scaled to about unit rms by powers of two; orthogonal transformations only; 8 i^2 (m + l)^2
+/// operations a sample. Without noise, poles to about 1e-13.
+/// Source: the paper, (7)-(17); DESIGN section 5 says where the default differs.
+pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<Identified, Error> {
+    check(inputs, outputs, options)?;
+    let (m, l, i) = (inputs.channels(), outputs.channels(), options.block_rows);
+    let (U, Y) = (inputs.data.transpose(), outputs.data.transpose());
+    let s = estimation_samples(U.nrows(), options)?;
+    expect_samples("estimation", s, samples_needed(i, m, l), i)?;
+    let input_scaling = Scaling::of(&U.rows(0, s).into_owned(), options.remove_mean);
+    let output_scaling = Scaling::of(&Y.rows(0, s).into_owned(), options.remove_mean);
+    let (U, Y) = (input_scaling.apply(&U), output_scaling.apply(&Y));
+    let (U_e, Y_e) = (U.rows(0, s).into_owned(), Y.rows(0, s).into_owned());
+
+    let factor = Factor::new(&U_e, &Y_e, i, options.constant_row)?; // (8), (9)
+    factor.expect_exciting()?;
+    let directions = directions(&factor, options.method.weighting()); // (13), (14)
+    let n = chosen_order(&directions, options.order, i, l)?;
+    let gamma = subspace::gamma(&directions, n); // (15)
+    let time = Time::Sampled { period_s: inputs.period_s };
+    let (scaled, initial_state) = system(&factor, &gamma, options.method, &U_e, &Y_e, time)?; // (16), (17)
+
+    let fits = |first: usize, count: usize| -> Result<Vec<f64>, Error> {
+        let (U, Y) = (U.rows(first, count).transpose(), Y.rows(first, count).transpose());
+        Ok(validate(&scaled, &U, &Y)?.fit_percent)
+    };
+    let estimation_fit_percent = fits(0, s)?;
+    let fit_percent = if s < U.nrows() { Some(fits(s, U.nrows() - s)?) } else { None };
+    let model = unscaled(&scaled, &input_scaling, &output_scaling)?;
+    Ok(Identified {
+        continuous: Err(flexbeam_lti::Error::Period { period_s: 0.0 }),
+        model,
+        initial_state,
+        order: n,
+        singular_values: directions.singular_values,
+        block_rows: i,
+        estimation_samples: s,
+        fit_percent,
+        estimation_fit_percent,
+        input_means: input_scaling.mean,
+        output_means: output_scaling.mean,
+    })
+}
+
+fn system(
+    factor: &Factor,
+    gamma: &Mat,
+    method: Method,
+    U: &Mat,
+    Y: &Mat,
+    time: Time,
+) -> Result<(StateSpace, Vector), Error> {
+    if method == Method::Paper {
+        let [A, B, C, D] = subspace::state_sequences(factor, gamma).ok_or(Error::NoState)?;
+        let model = StateSpace::new(A, B, C, D, time)?;
+        let initial_state = validate(&model, &U.transpose(), &Y.transpose())?.initial_state;
+        return Ok((model, initial_state));
+    }
+    let (A, C) = subspace::shift(gamma, factor.l).ok_or(Error::NoState)?;
+    let found = input_matrices(&A, &C, U, Y);
+    Ok((StateSpace::new(A, found.B, C, found.D, time)?, found.initial_state))
+}
+
+/// The model between the channels as recorded: B / u, y C, y D / u with the channels' scales.
+fn unscaled(model: &StateSpace, inputs: &Scaling, outputs: &Scaling) -> Result<StateSpace, Error> {
+    let StateSpace { A, mut B, mut C, mut D, time } = model.clone();
+    for (c, u) in inputs.scale.iter().enumerate() {
+        B.column_mut(c).unscale_mut(*u);
+        D.column_mut(c).unscale_mut(*u);
+    }
+    for (p, y) in outputs.scale.iter().enumerate() {
+        C.row_mut(p).scale_mut(*y);
+        D.row_mut(p).scale_mut(*y);
+    }
+    Ok(StateSpace::new(A, B, C, D, time)?)
+}
+
+fn chosen_order(directions: &Directions, asked: Order, i: usize, l: usize) -> Result<usize, Error> {
+    let rank = order::rank(&directions.singular_values);
+    if rank == 0 {
+        return Err(Error::NoState);
+    }
+    let (shift, rank_reason) = (l * (i - 1), "so many singular values stand above rounding");
+    match asked {
+        Order::Auto => Ok(order::automatic(&directions.singular_values).min(shift)),
+        Order::Fixed(order) if order > shift => {
+            Err(Error::Order { order, largest: shift, reason: "the block rows and outputs carry l (i - 1)" })
+        }
+        Order::Fixed(order) if order > rank => Err(Error::Order { order, largest: rank, reason: rank_reason }),
+        Order::Fixed(order) => Ok(order),
+    }
+}
+
+fn check(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<(), Error> {
+    let setting = |setting, found, needed| Err(Error::Setting { setting, found, needed });
+    if inputs.channels() == 0 || outputs.channels() == 0 {
+        return Err(Error::NoChannel { inputs: inputs.channels(), outputs: outputs.channels() });
+    }
+    if inputs.samples() != outputs.samples() {
+        return Err(Error::Length { inputs: inputs.samples(), outputs: outputs.samples() });
+    }
+    let (input_s, output_s) = (inputs.period_s, outputs.period_s);
+    let axes = [input_s, output_s].map(|period_s| Time::Sampled { period_s });
+    if axes[0].common(axes[1]).is_err() {
+        return Err(Error::Period { input_s, output_s });
+    }
+    expect_finite(inputs)?;
+    expect_finite(outputs)?;
+    if options.block_rows < 2 {
+        return setting("block_rows", options.block_rows as f64, "at least 2");
+    }
+    if options.order == Order::Fixed(0) {
+        return setting("order", 0.0, "at least 1");
+    }
+    if !(options.estimate > 0.0 && options.estimate <= 1.0) {
+        return setting("estimate", options.estimate, "more than 0 and at most 1");
+    }
+    Ok(())
+}
+
+fn expect_finite(signals: &Signals) -> Result<(), Error> {
+    match signals.data.iter().position(|x| !x.is_finite()) {
+        None => Ok(()),
+        Some(k) => {
+            let (channel, sample) = (k % signals.channels(), k / signals.channels());
+            let channel = signals.names[channel].clone();
+            Err(Error::NotFinite { channel, sample, value: signals.data[k] })
+        }
+    }
+}
+
+/// Whole samples of the estimating part.
+fn estimation_samples(all: usize, options: &Options) -> Result<usize, Error> {
+    let s = (all as f64 * options.estimate).floor() as usize;
+    // The validating part must at least tell its initial state apart from the rest.
+    if s < all {
+        expect_samples("validation", all - s, 2 * options.block_rows, options.block_rows)?
+    }
+    Ok(s)
+}
+
+fn expect_samples(what: &'static str, found: usize, needed: usize, block_rows: usize) -> Result<(), Error> {
+    if found < needed { Err(Error::TooFewSamples { what, found, needed, block_rows }) } else { Ok(()) }
+}

@@ -1,0 +1,154 @@
+//! The output of x(k+1) = A x(k) + B u(k), y = C x + D u as a linear map of B, D and x(0).
+//!
+//! Enters: A, C, inputs, outputs. Leaves: the B, D, x(0) whose simulated output is nearest to the recorded one.
+//! Deliberately absent: one-step prediction.
+
+use flexbeam_lti::{Mat, Vector};
+
+use crate::triangle::{CHUNK_ROWS, Triangle};
+
+/// How far a response may grow within a stretch: beyond this, what earlier samples say about x(0) drowns.
+const LARGEST_GROWTH: f64 = 1e6;
+/// A combination of unknowns that moves the output by less than this part of the strongest is not determined by the data.
+const UNKNOWN_RANK: f64 = 1e-14;
+
+/// B, D and the initial state.
+pub(crate) struct InputMatrices {
+    pub B: Mat,
+    pub D: Mat,
+    pub initial_state: Vector,
+}
+
+/// Least squares of the simulated output on the recorded one, A and C given.
+///
+/// Shapes: U s x m, Y s x l.
+/// Numerics: the responses to every entry of B come from the dual system: C_p (zI - A)^-1 e_r u_c is component r of the state of
+/// (A', C_p') driven by u_c, so lm simulations serve all n m l of them. QR in chunks, memory independent of s.
+/// A with a pole outside the unit circle is kept as it is: the record is cut into stretches in which no response grows by more
+/// than 10^6, each with a free initial state, which the QR of that stretch eliminates.
+/// Source: McKelvey, Akcay and Ljung 1996 for the least squares; SLICOT IB01CD solves the same problem.
+pub(crate) fn input_matrices(A: &Mat, C: &Mat, U: &Mat, Y: &Mat) -> InputMatrices {
+    let (n, m, l) = (A.nrows(), U.ncols(), C.nrows());
+    let s = U.nrows();
+    let unknowns = n * m + l * m;
+    let stretch = stretch(A, s);
+    let mut shared = Triangle::new(unknowns + 1);
+    let mut first = None;
+    for start in (0..s).step_by(stretch) {
+        let width = stretch.min(s - start);
+        let part = responses(A, C, &U.rows(start, width).into_owned(), &Y.rows(start, width).into_owned());
+        shared.absorb(&mut part.view((n, n), (unknowns + 1, unknowns + 1)).into_owned());
+        first.get_or_insert(part);
+    }
+    let top = first.expect("a record has samples").rows(0, n).into_owned();
+    let known = solved(&shared.R);
+    let rest = top.column(n + unknowns) - top.columns(n, unknowns) * &known;
+    let mut initial = top.columns(0, n).insert_column(n, 0.0);
+    initial.set_column(n, &rest);
+    InputMatrices {
+        B: Mat::from_column_slice(n, m, &known.as_slice()[..n * m]),
+        D: Mat::from_column_slice(l, m, &known.as_slice()[n * m..]),
+        initial_state: solved(&initial),
+    }
+}
+
+/// x(0) whose response is nearest to Y, the forced response taken away already.
+pub(crate) fn initial_state(A: &Mat, C: &Mat, Y: &Mat) -> Vector {
+    let nothing = Mat::zeros(Y.nrows(), 0);
+    solved(&responses(A, C, &nothing, Y))
+}
+
+/// Triangular factor of [x(0) | B | D | y] over one stretch.
+fn responses(A: &Mat, C: &Mat, U: &Mat, Y: &Mat) -> Mat {
+    let (n, m, l, s) = (A.nrows(), U.ncols(), C.nrows(), U.nrows());
+    let columns = n + n * m + l * m + 1;
+    let mut triangle = Triangle::new(columns);
+    let mut dual = DualStates::new(A, C, m);
+    for first in (0..s).step_by(CHUNK_ROWS) {
+        let width = CHUNK_ROWS.min(s - first);
+        let mut chunk = Mat::zeros(width * l, columns);
+        for k in 0..width {
+            for p in 0..l {
+                let row = k * l + p;
+                for (c, value) in dual.of_output(p).iter().enumerate() {
+                    chunk[(row, c)] = *value;
+                }
+                for c in 0..m {
+                    chunk[(row, n + n * m + c * l + p)] = U[(first + k, c)];
+                }
+                chunk[(row, columns - 1)] = Y[(first + k, p)];
+            }
+            dual.advance((0..m).map(|c| U[(first + k, c)]));
+        }
+        triangle.absorb(&mut chunk);
+    }
+    triangle.R
+}
+
+/// States of (A', C_p'): undriven from C_p', and at rest driven by each input.
+struct DualStates {
+    A: Mat,
+    C_t: Mat,
+    /// n x l(1 + m), for each output: undriven, then one column an input.
+    states: Mat,
+    next: Mat,
+}
+
+impl DualStates {
+    fn new(A: &Mat, C: &Mat, m: usize) -> DualStates {
+        let (n, l) = (A.nrows(), C.nrows());
+        let mut states = Mat::zeros(n, l * (1 + m));
+        (0..l).for_each(|p| states.set_column(p * (1 + m), &C.row(p).transpose()));
+        DualStates { A: A.clone(), C_t: C.transpose(), next: states.clone(), states }
+    }
+
+    /// [C_p A^k | responses to u_1 | .. | responses to u_m], n each.
+    fn of_output(&self, p: usize) -> &[f64] {
+        let size = self.states.len() / self.C_t.ncols();
+        &self.states.as_slice()[p * size..(p + 1) * size]
+    }
+
+    fn advance(&mut self, inputs: impl Iterator<Item = f64> + Clone) {
+        let (n, columns) = self.states.shape();
+        let per_output = columns / self.C_t.ncols();
+        let A = self.A.as_slice();
+        for (column, (x, next)) in
+            self.states.as_slice().chunks_exact(n).zip(self.next.as_mut_slice().chunks_exact_mut(n)).enumerate()
+        {
+            // Component r of A' x is column r of A times x.
+            for (a, y) in A.chunks_exact(n).zip(next.iter_mut()) {
+                *y = a.iter().zip(x).map(|(a, x)| a * x).sum();
+            }
+            let (p, c) = (column / per_output, column % per_output);
+            if c > 0 {
+                let u = inputs.clone().nth(c - 1).expect("one value an input");
+                self.C_t.column(p).iter().zip(next.iter_mut()).for_each(|(c, y)| *y += c * u);
+            }
+        }
+        std::mem::swap(&mut self.states, &mut self.next);
+    }
+}
+
+/// Samples in which no response of A grows by more than [`LARGEST_GROWTH`], at least as many as x(0) and some equations need.
+fn stretch(A: &Mat, s: usize) -> usize {
+    let radius = A.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max);
+    let limit = LARGEST_GROWTH.ln() / radius.ln().max(f64::MIN_POSITIVE);
+    let least = 4 * (A.nrows() + 1);
+    (limit.min(s as f64) as usize).max(least).min(s.max(1))
+}
+
+/// Solution of least norm of R x = r, R and r the columns of a triangular factor; unknowns scaled to columns of unit norm.
+fn solved(factor: &Mat) -> Vector {
+    let n = factor.ncols() - 1;
+    let mut R = factor.columns(0, n).into_owned();
+    let norms: Vec<f64> = R.column_iter().map(|c| if c.norm() > 0.0 { c.norm() } else { 1.0 }).collect();
+    norms.iter().enumerate().for_each(|(c, norm)| R.column_mut(c).unscale_mut(*norm));
+    if n == 0 {
+        return Vector::zeros(0);
+    }
+    let svd = R.svd(true, true);
+    let floor = svd.singular_values.max() * UNKNOWN_RANK;
+    let mut x = svd.solve(&factor.column(n).into_owned(), floor).expect("both sides were computed");
+    norms.iter().enumerate().for_each(|(c, norm)| x[c] /= norm);
+    x
+}
