@@ -135,3 +135,114 @@ fn through_dead_zone(settings: &Settings, voltage: f64) -> f64 {
 fn magnitude(x: f64) -> f64 {
     if x < 0.0 { -x } else { x }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings(law: Law) -> Settings {
+        Settings { law, u_p_plus_v: 0.28, u_p_minus_v: 0.1, eps_u_v: 0.2, eps_e_rad: 0.01, ..Settings::default() }
+    }
+
+    /// u_c of fresh switches.
+    fn once(settings: &Settings, u: f64, e: f64) -> f64 {
+        Switches::default().compensated(settings, u, e)
+    }
+
+    #[test]
+    fn no_law_passes_u() {
+        let s = settings(Law::None);
+        assert_eq!(once(&s, 0.05, 1.0), 0.05);
+        assert_eq!(applied(&s, 12.0, 12.0, 10.0), 10.0);
+    }
+
+    #[test]
+    fn the_switched_law_is_figure_8() {
+        let s = settings(Law::Switched);
+        for (u, e, u_c) in [
+            (0.3, 0.0, 0.3),    // outside the dead region: u
+            (-0.3, 1.0, -0.3),  // whatever the error
+            (0.1, 0.02, 0.28),  // inside, error large: u_p sign(e)
+            (0.1, -0.02, -0.1), // the error's sign, not u's; each direction has its own u_p
+            (0.1, 0.005, 0.0),  // inside, error small: nothing
+            (-0.1, -0.005, 0.0),
+        ] {
+            assert_eq!(once(&s, u, e), u_c, "u = {u}, e = {e}");
+        }
+    }
+
+    #[test]
+    fn both_switches_remember() {
+        let s = Settings { hysteresis_u: 0.5, hysteresis_e: 0.5, ..settings(Law::Switched) };
+        let mut switches = Switches::default();
+        let mut u_c = |u, e| switches.compensated(&s, u, e);
+        assert_eq!(u_c(0.25, 0.02), 0.25, "between the thresholds, from outside: still outside");
+        assert_eq!(u_c(0.19, 0.02), 0.28, "below eps_u: dead");
+        assert_eq!(u_c(0.29, 0.02), 0.28, "until eps_u (1 + h)");
+        assert_eq!(u_c(0.31, 0.02), 0.31);
+        assert_eq!(u_c(0.1, 0.008), 0.28, "the error was large and is above eps_e (1 - h)");
+        assert_eq!(u_c(0.1, 0.004), 0.0);
+        assert_eq!(u_c(0.1, 0.008), 0.0, "and stays small until eps_e");
+        assert_eq!(u_c(0.1, 0.011), 0.28);
+    }
+
+    #[test]
+    fn without_hysteresis_the_thresholds_are_the_papers() {
+        let s = Settings { hysteresis_u: 0.0, hysteresis_e: 0.0, ..settings(Law::Switched) };
+        let mut switches = Switches::default();
+        assert_eq!(switches.compensated(&s, 0.1999, 0.02), 0.28);
+        assert_eq!(switches.compensated(&s, 0.2001, 0.02), 0.2001);
+        assert_eq!(switches.compensated(&s, 0.1, 0.0101), 0.28);
+        assert_eq!(switches.compensated(&s, 0.1, 0.0099), 0.0);
+    }
+
+    #[test]
+    fn the_inverse_law_is_a_ramp_and_a_shift_in_each_direction() {
+        let s = settings(Law::Inverse);
+        assert_eq!(once(&s, 0.0, 1.0), 0.0);
+        assert_eq!(once(&s, 0.2, 0.0), 0.2 + 0.28);
+        assert_eq!(once(&s, 3.0, 0.0), 3.0 + 0.28);
+        assert_eq!(once(&s, -3.0, 0.0), -3.0 - 0.1);
+        assert_eq!(once(&s, 0.05, 0.0), 0.05 + 0.28 * 0.25);
+        assert_eq!(once(&s, -0.05, 0.0), -0.05 - 0.1 * 0.25);
+    }
+
+    #[test]
+    fn the_observer_hears_its_own_u_below_the_limit_and_the_inverse_beyond_it() {
+        let s = settings(Law::Inverse);
+        for k in -400..=400 {
+            let u = 0.005 * f64::from(k);
+            let u_c = once(&s, u, 0.0);
+            assert_eq!(applied(&s, u, u_c, u_c).to_bits(), u.to_bits());
+            // Limited to the voltage that another u gives, the observer hears that u.
+            let heard = applied(&s, 7.0 * u + 1.0, 7.0 * u_c + 1.0, u_c);
+            assert!((heard - u).abs() <= 1e-15, "{heard} against {u}");
+        }
+    }
+
+    #[test]
+    fn under_the_switched_law_the_observer_hears_what_passes_the_dead_zone() {
+        let s = Settings { breakaway_plus_v: 0.25, breakaway_minus_v: 0.08, ..settings(Law::Switched) };
+        for (voltage, heard) in [(0.2, 0.0), (-0.05, 0.0), (1.25, 1.0), (-1.08, -1.0), (0.0, 0.0)] {
+            assert!((applied(&s, 9.0, 9.0, voltage) - heard).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn v_res_is_where_the_inverse_law_reaches_the_breakaway_voltage() {
+        for (eps_u_v, u_p) in [(0.1, 0.28), (0.3, 0.1), (0.05, 0.05)] {
+            let s = Settings { eps_u_v, u_p_plus_v: u_p, ..settings(Law::Inverse) };
+            assert!((once(&s, v_res(eps_u_v, u_p), 0.0) - u_p).abs() < 1e-15);
+        }
+        assert_eq!(v_res(0.0, 0.0), 0.0);
+    }
+
+    #[test]
+    fn a_threshold_of_zero_makes_a_jump_and_not_a_division() {
+        let s = Settings { eps_u_v: 0.0, ..settings(Law::Inverse) };
+        assert_eq!(once(&s, 0.0, 0.0), 0.0);
+        assert_eq!(once(&s, 1e-300, 0.0), 0.28);
+        assert_eq!(applied(&s, 5.0, 5.0, 0.1), 0.0);
+        assert_eq!(applied(&s, 5.0, 5.0, 1.28), 1.0);
+    }
+}

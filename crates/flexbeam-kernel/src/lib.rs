@@ -25,6 +25,9 @@
 //! # Ok::<(), flexbeam_kernel::Error>(())
 //! ```
 
+#[cfg(test)]
+extern crate std;
+
 mod controller;
 mod filter;
 mod law;

@@ -45,3 +45,43 @@ pub(crate) fn broken(settings: &Settings, alpha_rad: f64, theta_change_rad: f64)
 fn within(x: f64, limit: f64) -> bool {
     -limit <= x && x <= limit
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_voltage_is_bounded_on_both_sides() {
+        for (voltage, limit, bounded) in
+            [(3.0, 10.0, 3.0), (11.0, 10.0, 10.0), (-11.0, 10.0, -10.0), (f64::INFINITY, 10.0, 10.0)]
+        {
+            assert_eq!(limited(voltage, limit), bounded);
+        }
+        assert!(limited(f64::NAN, 10.0).is_nan(), "left for the check that follows");
+        assert_eq!(limited(3.0, -1.0), 0.0);
+        assert_eq!(limited(3.0, f64::NAN), 0.0);
+    }
+
+    #[test]
+    fn limits_break_beyond_and_not_at_them() {
+        let s = Settings { deflection_limit_rad: 0.3, theta_step_limit_rad: 0.02, ..Settings::default() };
+        for (alpha, change, fault) in [
+            (0.3, 0.02, Fault::None),
+            (-0.3, -0.02, Fault::None),
+            (0.31, 0.0, Fault::Deflection),
+            (-0.31, 0.0, Fault::Deflection),
+            (0.0, 0.021, Fault::Speed),
+            (0.0, -0.021, Fault::Speed),
+        ] {
+            assert_eq!(broken(&s, alpha, change), fault);
+        }
+    }
+
+    #[test]
+    fn a_limit_that_is_no_number_is_broken() {
+        let s = Settings { deflection_limit_rad: f64::NAN, ..Settings::default() };
+        assert_eq!(broken(&s, 0.0, 0.0), Fault::Deflection);
+        let s = Settings { theta_step_limit_rad: f64::NAN, ..Settings::default() };
+        assert_eq!(broken(&s, 0.0, 0.0), Fault::Speed);
+    }
+}

@@ -117,3 +117,38 @@ impl Settings {
         checks.iter().find(|(_, sound)| !sound).map(|&(name, _)| name)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_defaults_are_sound() {
+        assert_eq!(Settings::default().first_unsound(), None);
+    }
+
+    #[test]
+    fn an_unsound_field_is_named() {
+        let d = Settings::default();
+        let channel = |low_pass| Channel { low_pass, ..Channel::default() };
+        for (settings, name) in [
+            (Settings { theta: channel(0.0), ..d }, "theta"),
+            (Settings { alpha: channel(1.1), ..d }, "alpha"),
+            (Settings { smooth_ticks: -1.0, ..d }, "smooth_ticks"),
+            (Settings { smooth_step_rad: 0.0, ..d }, "smooth_step_rad"),
+            (Settings { u_p_plus_v: f64::NAN, ..d }, "u_p_plus_v"),
+            (Settings { u_p_minus_v: -0.1, ..d }, "u_p_minus_v"),
+            (Settings { eps_u_v: -0.1, ..d }, "eps_u_v"),
+            (Settings { eps_e_rad: f64::INFINITY, ..d }, "eps_e_rad"),
+            (Settings { hysteresis_u: -0.1, ..d }, "hysteresis_u"),
+            (Settings { hysteresis_e: 1.5, ..d }, "hysteresis_e"),
+            (Settings { breakaway_plus_v: f64::NAN, ..d }, "breakaway_plus_v"),
+            (Settings { breakaway_minus_v: -0.1, ..d }, "breakaway_minus_v"),
+            (Settings { voltage_limit_v: f64::INFINITY, ..d }, "voltage_limit_v"),
+            (Settings { deflection_limit_rad: f64::NAN, ..d }, "deflection_limit_rad"),
+            (Settings { theta_step_limit_rad: -1.0, ..d }, "theta_step_limit_rad"),
+        ] {
+            assert_eq!(settings.first_unsound(), Some(name));
+        }
+    }
+}

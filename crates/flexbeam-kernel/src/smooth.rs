@@ -70,3 +70,112 @@ impl Path {
         *self = Self { target: self.target, position: self.target, ..Self::default() };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    /// Positions of a path through `references`, beginning with the rest before it (four zeros, for differences).
+    fn positions(ticks: f64, largest_step: f64, references: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut path = Path::default();
+        let moved = references.map(|r| path.follow(ticks, largest_step, r));
+        [0.0; 4].into_iter().chain(moved).collect()
+    }
+
+    /// Largest velocity, acceleration and jerk, by differences. A difference is a mean of the derivative, so it stays below the derivative's bound.
+    fn largest_differences(positions: &[f64]) -> [f64; 3] {
+        let mut series = positions.to_vec();
+        [(); 3].map(|()| {
+            series = series.windows(2).map(|w| w[1] - w[0]).collect();
+            series.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
+        })
+    }
+
+    /// Velocity, acceleration, jerk of a step from rest, as the head of this file states them.
+    fn bounds(step: f64, n: f64) -> [f64; 3] {
+        [15.0 / 8.0 * step / n, 10.0 / 3f64.sqrt() * step / (n * n), 60.0 * step / (n * n * n)]
+    }
+
+    #[test]
+    fn a_step_from_rest_keeps_its_three_bounds_and_touches_them() {
+        let n = 400.0;
+        let found = largest_differences(&positions(n, f64::INFINITY, [0.5; 450].into_iter()));
+        for (found, bound) in found.into_iter().zip(bounds(0.5, n)) {
+            assert!(found <= bound * (1.0 + 1e-6) && found >= 0.97 * bound, "{found} against {bound}");
+        }
+    }
+
+    #[test]
+    fn a_larger_step_keeps_the_bounds_of_the_largest() {
+        let n = 200.0;
+        let path = positions(n, 0.5, [3.1; 1300].into_iter());
+        for (found, bound) in largest_differences(&path).into_iter().zip(bounds(0.5, n)) {
+            assert!(found <= bound * (1.0 + 1e-6), "{found} against {bound}");
+        }
+        // 200 ticks * 3.1/0.5 = 1240.
+        assert_eq!(path[3 + 1240].to_bits(), 3.1f64.to_bits());
+        assert!(path[3 + 1238] < 3.1);
+    }
+
+    #[test]
+    fn it_arrives_to_the_last_bit_and_rests_wherever_it_was_sent_from() {
+        let mut path = Path::default();
+        for i in 1..200 {
+            let target = 0.7 * f64::from(i * 7919 % 101) / 101.0 - 0.3;
+            let on_the_way = i % 37;
+            (0..on_the_way).for_each(|_| _ = path.follow(40.0, f64::INFINITY, target));
+            if i % 5 == 0 {
+                let tail: Vec<f64> = (0..60).map(|_| path.follow(40.0, f64::INFINITY, target)).collect();
+                let last = 40 - on_the_way as usize;
+                assert!(tail[last - 1..].iter().all(|p| p.to_bits() == target.to_bits()), "step {i}");
+                assert_eq!((path.velocity, path.acceleration), (0.0, 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn a_new_target_on_the_way_leaves_velocity_and_acceleration_continuous() {
+        // Jerk at a restart is at most 60 |d| + 36 |w| + 9 |g| over N^3; from a motion within its own bounds that is
+        // 60 (1 + 1) + 36 * 1.875 + 9 * 5.78 < 240 steps over N^3. A jump of the velocity would show as N^2 times more.
+        let n = 100.0;
+        for turn in 1..100 {
+            let references = (0..300).map(|k| if k < turn { 1.0 } else { 0.0 });
+            let [_, _, jerk] = largest_differences(&positions(n, f64::INFINITY, references));
+            assert!(jerk <= 240.0 / (n * n * n), "turned at {turn}: jerk {jerk}");
+        }
+    }
+
+    #[test]
+    fn a_ramp_is_followed_with_the_lag_of_the_stated_filter() {
+        // 60/(s^3 + 9 s^2 + 36 s + 60) lags a ramp by 36/60 of N ticks.
+        let (n, slope) = (50.0, 1e-3);
+        let path = positions(n, f64::INFINITY, (1..2000).map(|k| slope * f64::from(k)));
+        let lag = (slope * 1999.0 - path[path.len() - 1]) / slope;
+        assert!((lag - 0.6 * n).abs() < 1.5, "{lag} ticks");
+    }
+
+    #[test]
+    fn a_reference_that_never_rests_keeps_the_path_bounded() {
+        for n in [1.5, 2.0, 3.0, 7.0, 40.0] {
+            let mut seed = 1u32;
+            let noise = (0..20_000).map(|_| {
+                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                if seed >> 31 == 0 { -1.0 } else { 1.0 }
+            });
+            let largest = positions(n, f64::INFINITY, noise).into_iter().fold(0.0, |m: f64, p| m.max(p.abs()));
+            assert!(largest < 2.0, "{n} ticks: {largest}");
+        }
+    }
+
+    #[test]
+    fn senseless_durations_pass_the_reference() {
+        for ticks in [0.0, 1.0, -3.0, f64::NAN, f64::NEG_INFINITY] {
+            assert_eq!(Path::default().follow(ticks, f64::INFINITY, 0.3).to_bits(), 0.3f64.to_bits());
+        }
+        for largest in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let path = positions(10.0, largest, [0.3; 10].into_iter());
+            assert_eq!(path[13].to_bits(), 0.3f64.to_bits());
+        }
+    }
+}
