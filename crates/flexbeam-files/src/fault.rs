@@ -1,0 +1,333 @@
+//! Each thing that can be wrong with a file, as found and needed.
+
+use std::io;
+
+/// What is wrong; every variant carries its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Fault {
+    /// No numbers at all.
+    Empty,
+    /// Bytes that are not UTF-8 text.
+    NotText,
+    /// A cell that is not a number.
+    NotANumber {
+        /// The column's name.
+        name: String,
+        /// The cell.
+        text: String,
+    },
+    /// An empty cell.
+    MissingValue {
+        /// The column's name.
+        name: String,
+    },
+    /// A number that is infinite or not a number, in a cell or under a key.
+    NotFinite {
+        /// The column's name, or the key.
+        name: String,
+        /// The number as it is written.
+        text: String,
+    },
+    /// A row of another length than the first one.
+    Ragged {
+        /// Values in this row.
+        found: usize,
+        /// Values in the first row, or names in the header.
+        needed: usize,
+    },
+    /// Too few samples.
+    TooFewRows {
+        /// Rows of numbers.
+        found: usize,
+        /// The smallest number of rows of any use.
+        needed: usize,
+    },
+    /// Columns without names.
+    NoHeader {
+        /// Columns in the first row.
+        columns: usize,
+    },
+    /// A header cell without text.
+    EmptyName {
+        /// Column, from 1.
+        column: usize,
+    },
+    /// Two columns, inputs or outputs of one name.
+    DuplicateName {
+        /// The name.
+        name: String,
+    },
+    /// The names given and the columns there are differ in number.
+    NamesAndColumns {
+        /// Names given.
+        names: usize,
+        /// Columns in the first row.
+        columns: usize,
+    },
+    /// A column that the recording does not have.
+    UnknownColumn {
+        /// The name asked for.
+        name: String,
+        /// The names there are.
+        available: Vec<String>,
+        /// The most similar of these.
+        nearest: Option<String>,
+    },
+    /// Nothing besides time.
+    NoSignals,
+    /// Neither a time column nor a period given.
+    NoPeriod,
+    /// A period that is not a positive number.
+    Period {
+        /// The period.
+        period_s: f64,
+    },
+    /// One step of the time column differs from the others.
+    UnequalPeriods {
+        /// This step.
+        found_s: f64,
+        /// The median step.
+        needed_s: f64,
+        /// Relative tolerance.
+        tolerance: f64,
+    },
+    /// The period of the time column and the one given differ.
+    PeriodsDiffer {
+        /// The time column's.
+        in_file_s: f64,
+        /// The one given.
+        given_s: f64,
+        /// Relative tolerance.
+        tolerance: f64,
+    },
+    /// Text that is not TOML.
+    Syntax {
+        /// What the TOML parser says.
+        message: String,
+    },
+    /// A file without a `schema` key.
+    NoSchema {
+        /// The schema that this file should have.
+        needed: &'static str,
+    },
+    /// A file of another kind or version.
+    Schema {
+        /// The schema of this file.
+        found: String,
+        /// The schema that is read here.
+        needed: &'static str,
+    },
+    /// A key that the schema does not have.
+    UnknownKey {
+        /// The key.
+        key: String,
+        /// The keys that may stand there.
+        known: Vec<String>,
+        /// The most similar of these.
+        nearest: Option<String>,
+    },
+    /// A key that the schema demands.
+    MissingKey {
+        /// The key, with its tables.
+        key: String,
+    },
+    /// Two keys of which exactly one may stand.
+    OneOf {
+        /// How many of the two stand there.
+        found: usize,
+        /// The first key.
+        one: &'static str,
+        /// The second key.
+        other: &'static str,
+    },
+    /// A value of the wrong type.
+    WrongType {
+        /// The key, with its tables.
+        key: String,
+        /// What stands there.
+        found: String,
+        /// What should stand there.
+        needed: String,
+    },
+    /// A word that is not among the choices.
+    Choice {
+        /// The key, with its tables.
+        key: String,
+        /// The word.
+        found: String,
+        /// The choices.
+        choices: Vec<String>,
+        /// The most similar of these.
+        nearest: Option<String>,
+    },
+    /// A number outside the range in which it means something.
+    Range {
+        /// The key, with its tables.
+        key: String,
+        /// The number.
+        found: f64,
+        /// The range in words.
+        needed: &'static str,
+    },
+    /// A matrix whose shape does not fit the others.
+    Shape {
+        /// The key, with its tables.
+        key: String,
+        /// Rows found.
+        found_rows: usize,
+        /// Columns found.
+        found_columns: usize,
+        /// Rows needed.
+        needed_rows: usize,
+        /// Columns needed.
+        needed_columns: usize,
+    },
+    /// A list whose length does not fit the rest.
+    Length {
+        /// The key, with its tables.
+        key: String,
+        /// Entries found.
+        found: usize,
+        /// Entries needed.
+        needed: usize,
+    },
+    /// A file that stands already, with other content.
+    Exists,
+    /// A folder where a file was meant.
+    IsFolder,
+    /// The operating system refused.
+    Io {
+        /// Its kind.
+        kind: io::ErrorKind,
+        /// Its words.
+        message: String,
+    },
+}
+
+impl Fault {
+    /// What was found there.
+    pub fn found(&self) -> String {
+        match self {
+            Fault::Empty => "no rows of numbers".into(),
+            Fault::NotText => "bytes that are not UTF-8 text".into(),
+            Fault::NotANumber { name, text } => format!("{text:?} in column {name}"),
+            Fault::MissingValue { name } => format!("an empty cell in column {name}"),
+            Fault::NotFinite { name, text } => format!("{name} = {text}"),
+            Fault::Ragged { found, .. } => counted(*found, "value", "in this row"),
+            Fault::TooFewRows { found, .. } => counted(*found, "row", "of numbers"),
+            Fault::NoHeader { columns } => counted(*columns, "column", "without a name"),
+            Fault::EmptyName { column } => format!("no name for column {column}"),
+            Fault::DuplicateName { name } => format!("the name {name} twice"),
+            Fault::NamesAndColumns { names, columns } => {
+                format!("{} and {}", counted(*names, "name", "given"), counted(*columns, "column", "in the file"))
+            }
+            Fault::UnknownColumn { name, .. } => format!("no column {name}"),
+            Fault::NoSignals => "a time column and nothing else".into(),
+            Fault::NoPeriod => "neither a time column nor a period".into(),
+            Fault::Period { period_s } => format!("a sample period of {period_s} s"),
+            Fault::UnequalPeriods { found_s, .. } => {
+                format!("unequal sample periods: {found_s:.6e} s to this row from the one before")
+            }
+            Fault::PeriodsDiffer { in_file_s, given_s, .. } => {
+                format!("a period of {in_file_s} s in the time column and {given_s} s given")
+            }
+            Fault::Syntax { message } => message.clone(),
+            Fault::NoSchema { .. } => "no schema".into(),
+            Fault::Schema { found, .. } => format!("schema {found:?}"),
+            Fault::UnknownKey { key, .. } => format!("an unknown key {key}"),
+            Fault::MissingKey { key } => format!("no key {key}"),
+            Fault::OneOf { found: 0, one, other } => format!("neither {one} nor {other}"),
+            Fault::OneOf { one, other, .. } => format!("both {one} and {other}"),
+            Fault::WrongType { key, found, .. } => format!("{key}: {found}"),
+            Fault::Choice { key, found, .. } => format!("{key} = {found:?}"),
+            Fault::Range { key, found, .. } => format!("{key} = {found}"),
+            Fault::Shape { key, found_rows, found_columns, .. } => format!("{key} is {found_rows} x {found_columns}"),
+            Fault::Length { key, found, .. } => format!("{key} has {}", counted(*found, "entry", "")),
+            Fault::Exists => "a file of that name with other content".into(),
+            Fault::IsFolder => "a folder".into(),
+            Fault::Io { message, .. } => message.clone(),
+        }
+    }
+
+    /// What was needed instead.
+    pub fn needed(&self) -> String {
+        match self {
+            Fault::Empty | Fault::NoSignals => "at least one column of samples".into(),
+            Fault::NotText => "a text file in UTF-8".into(),
+            Fault::NotANumber { .. } | Fault::MissingValue { .. } => "a number".into(),
+            Fault::NotFinite { .. } => "a finite number".into(),
+            Fault::Ragged { needed, .. } => counted(*needed, "value", "as in the first row"),
+            Fault::TooFewRows { needed, .. } => format!("at least {needed}"),
+            Fault::NoHeader { .. } | Fault::EmptyName { .. } => "a name for each column".into(),
+            Fault::DuplicateName { .. } => "names that differ".into(),
+            Fault::NamesAndColumns { .. } => "one name for each column".into(),
+            Fault::UnknownColumn { available, .. } => format!("one of {}", available.join(", ")),
+            Fault::NoPeriod => "the sample period".into(),
+            Fault::Period { .. } => "a positive number of seconds".into(),
+            Fault::UnequalPeriods { needed_s, tolerance, .. } => {
+                format!("{needed_s:.6e} s within {} %", 100.0 * tolerance)
+            }
+            Fault::PeriodsDiffer { tolerance, .. } => format!("two equal ones, within {} %", 100.0 * tolerance),
+            Fault::Syntax { .. } => "TOML".into(),
+            Fault::NoSchema { needed } => format!("schema = {needed:?}"),
+            Fault::Schema { needed, .. } => format!("schema {needed:?}, which this version reads"),
+            Fault::UnknownKey { known, .. } => format!("one of {}", known.join(", ")),
+            Fault::MissingKey { .. } => "this key".into(),
+            Fault::OneOf { .. } => "exactly one of the two".into(),
+            Fault::WrongType { needed, .. } => needed.clone(),
+            Fault::Choice { choices, .. } => format!("one of {}", choices.join(", ")),
+            Fault::Range { needed, .. } => (*needed).into(),
+            Fault::Shape { needed_rows, needed_columns, .. } => format!("{needed_rows} x {needed_columns}"),
+            Fault::Length { needed, .. } => needed.to_string(),
+            Fault::Exists => "a name that is free".into(),
+            Fault::IsFolder => "a file".into(),
+            Fault::Io { kind: io::ErrorKind::NotFound, .. } => "an existing file or folder".into(),
+            Fault::Io { .. } => "the permission and the space to do it".into(),
+        }
+    }
+
+    /// What the user may do about it.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Fault::NotText => Some("save it again as plain text, UTF-8".into()),
+            Fault::NotANumber { text, .. } if text.contains(',') => {
+                Some("decimal commas are not read: write 0.5, not 0,5".into())
+            }
+            Fault::NotANumber { .. } | Fault::MissingValue { .. } => {
+                Some("cut the recording before or after this row; a gap cannot be filled by guessing".into())
+            }
+            Fault::Ragged { .. } => Some("complete the row, or remove it if it is the last one".into()),
+            Fault::NoHeader { .. } => Some("name them: --columns time,u,y (_ leaves a column out)".into()),
+            Fault::NamesAndColumns { .. } => Some("_ in the place of a name leaves a column out".into()),
+            Fault::UnknownColumn { nearest, .. }
+            | Fault::UnknownKey { nearest, .. }
+            | Fault::Choice { nearest, .. } => nearest.as_ref().map(|name| format!("did you mean {name}?")),
+            Fault::NoPeriod => Some("give it in seconds: --period 0.001".into()),
+            Fault::UnequalPeriods { .. } => Some("a sample is missing or doubled here; cut there, or resample".into()),
+            Fault::PeriodsDiffer { .. } => Some("leave --period out to use the time column's".into()),
+            Fault::NoSchema { .. } => Some("is it the right kind of file?".into()),
+            Fault::Schema { found, needed } => Some(schema_hint(found, needed)),
+            Fault::Exists => Some("choose another name, or allow replacing it with --force".into()),
+            _ => None,
+        }
+    }
+}
+
+/// "1 row of numbers", "2 rows of numbers".
+fn counted(number: usize, noun: &str, rest: &str) -> String {
+    let plural = match (number, noun.strip_suffix('y')) {
+        (1, _) => noun.to_string(),
+        (_, Some(stem)) => format!("{stem}ies"),
+        (_, None) => format!("{noun}s"),
+    };
+    format!("{number} {plural} {rest}").trim_end().to_string()
+}
+
+fn schema_hint(found: &str, needed: &str) -> String {
+    let kind = |schema: &str| schema.split('/').next().unwrap_or_default().to_string();
+    if kind(found) == kind(needed) {
+        "another version of flexbeam wrote it: use that one, or make the file again".into()
+    } else {
+        format!("it is a {} file; name a {} file here", kind(found), kind(needed))
+    }
+}
