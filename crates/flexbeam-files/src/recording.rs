@@ -66,7 +66,7 @@ impl Recording {
         let text = decoded(bytes, source)?;
         let table = csv::parse(text, source, layout.columns.as_deref())?;
         let fault = |fault| Error::new(Tried::Read, source, fault);
-        let (time_s, names, data) = split_time(table).map_err(fault)?;
+        let Columns { time_s, names, data } = Columns::of(table).map_err(fault)?;
         let period_s = period(time_s.as_deref(), layout.period_s).map_err(|(f, row)| {
             let line = row.and_then(|row| csv::line_of_row(text, row));
             line.map_or(fault(f.clone()), |line| fault(f).at_line(line))
@@ -153,33 +153,38 @@ fn decoded<'a>(bytes: &'a [u8], source: &Path) -> Result<&'a str, Error> {
     })
 }
 
-/// The time column in seconds, the other names, and their channels x samples.
-fn split_time(table: csv::Table) -> Result<(Option<Vec<f64>>, Vec<String>, Mat), Fault> {
-    let csv::Table { mut names, values } = table;
-    let width = names.len();
-    let samples = values.len().checked_div(width).unwrap_or(0);
-    let Some(t) = names.iter().position(|name| ColumnName::of(name).is_time()) else {
-        return if width == 0 {
-            Err(Fault::NoSignals)
-        } else {
-            enough(samples)?;
-            Ok((None, names, Mat::from_vec(width, samples, values)))
-        };
-    };
-    if width == 1 {
-        return Err(Fault::NoSignals);
-    }
-    enough(samples)?;
-    let column = ColumnName::of(&names[t]);
-    let in_seconds = |x: f64| if column.unit == column.si_unit { x } else { x * column.si_factor };
-    let time_s = values.iter().skip(t).step_by(width).map(|&x| in_seconds(x)).collect();
-    let others = values.iter().enumerate().filter(|(k, _)| k % width != t).map(|(_, &x)| x).collect();
-    names.remove(t);
-    Ok((Some(time_s), names, Mat::from_vec(width - 1, samples, others)))
+/// A table's columns, the time axis apart from the others.
+struct Columns {
+    /// [s]
+    time_s: Option<Vec<f64>>,
+    names: Vec<String>,
+    /// channels x samples.
+    data: Mat,
 }
 
-fn enough(samples: usize) -> Result<(), Fault> {
-    if samples < FEWEST_ROWS { Err(Fault::TooFewRows { found: samples, needed: FEWEST_ROWS }) } else { Ok(()) }
+impl Columns {
+    /// Errors: [`Fault::NoSignals`], [`Fault::TooFewRows`].
+    fn of(table: csv::Table) -> Result<Columns, Fault> {
+        let csv::Table { mut names, values } = table;
+        let width = names.len();
+        let time = names.iter().position(|name| ColumnName::of(name).is_time());
+        if width == usize::from(time.is_some()) {
+            return Err(Fault::NoSignals);
+        }
+        let samples = values.len() / width;
+        if samples < FEWEST_ROWS {
+            return Err(Fault::TooFewRows { found: samples, needed: FEWEST_ROWS });
+        }
+        let Some(t) = time else {
+            return Ok(Columns { time_s: None, names, data: Mat::from_vec(width, samples, values) });
+        };
+        let column = ColumnName::of(&names[t]);
+        let in_seconds = |x: f64| if column.unit == column.si_unit { x } else { x * column.si_factor };
+        let time_s = values.iter().skip(t).step_by(width).map(|&x| in_seconds(x)).collect();
+        let others = values.iter().enumerate().filter(|(k, _)| k % width != t).map(|(_, &x)| x).collect();
+        names.remove(t);
+        Ok(Columns { time_s: Some(time_s), names, data: Mat::from_vec(width - 1, samples, others) })
+    }
 }
 
 /// The sample period, from the time column, from what was given, or from both when they agree.
