@@ -150,4 +150,10 @@ pub enum Error {
         /// Where poles must lie.
         needed: &'static str,
     },
+    /// A matrix without a real principal logarithm.
+    #[error("eigenvalue {eigenvalue:.6} on the closed negative real axis; a real logarithm needs none there")]
+    NegativeEigenvalue {
+        /// The eigenvalue.
+        eigenvalue: f64,
+    },
 }

@@ -9,6 +9,7 @@ pub mod connections;
 mod draw;
 mod error;
 pub mod hankel;
+pub mod logarithm;
 pub mod schur;
 pub mod exponential;
 pub mod sampling;

@@ -53,7 +53,7 @@ impl Schur {
 /// Source: Francis 1961; Bai and Demmel 1993 for the order.
 pub fn ordered_schur(A: &Mat, first: impl Fn(C64) -> bool) -> Result<OrderedSchur, Error> {
     let mut form = real_schur(A)?;
-    let blocks: Vec<_> = blocks(&form.T).map(|(k, size)| (size, first(upper_eigenvalue(&form.T, k, size)))).collect();
+    let blocks: Vec<_> = diagonal_blocks(&form.T).map(|(k, size)| (size, first(upper_eigenvalue(&form.T, k, size)))).collect();
     let leading = gather(&mut form, blocks)?;
     Ok(OrderedSchur { T: form.T, Q: form.Q, leading })
 }
@@ -87,7 +87,7 @@ fn expect_square(A: &Mat) -> Result<(), Error> {
 }
 
 /// Diagonal blocks of a quasi-triangular matrix: (first row, 1 or 2).
-pub(crate) fn blocks(T: &Mat) -> impl DoubleEndedIterator<Item = (usize, usize)> + use<> {
+pub(crate) fn diagonal_blocks(T: &Mat) -> impl DoubleEndedIterator<Item = (usize, usize)> + use<> {
     let mut found = Vec::new();
     let mut k = 0;
     while k < T.nrows() {
@@ -101,7 +101,7 @@ pub(crate) fn blocks(T: &Mat) -> impl DoubleEndedIterator<Item = (usize, usize)>
 /// Eigenvalues of a quasi-triangular matrix in the order of its diagonal; of a pair the upper one first.
 pub fn eigenvalues(T: &Mat) -> Vec<C64> {
     let of_block = |(k, size)| if size == 1 { vec![C64::new(T[(k, k)], 0.0)] } else { block_eigenvalues(T, k).into() };
-    blocks(T).flat_map(of_block).collect()
+    diagonal_blocks(T).flat_map(of_block).collect()
 }
 
 /// Eigenvalues of any square matrix, balanced first.

@@ -3,7 +3,7 @@
 //! Enters: coefficient matrices. Leaves: the solution.
 //! Deliberately absent: iterative methods for large sparse systems.
 
-use crate::schur::{blocks, eigenvalues, ordered_schur};
+use crate::schur::{diagonal_blocks, eigenvalues, ordered_schur};
 use crate::state_space::{expect_finite, expect_shape};
 use crate::{C64, Error, Mat};
 
@@ -75,10 +75,10 @@ fn expect_no_reciprocals(z: &[C64]) -> Result<(), Error> {
 /// T Y + Y S = F for quasi-triangular T and S, blocks from the lower left.
 pub(crate) fn triangular_sylvester(T: &Mat, S: &Mat, F: Mat) -> Result<Mat, Error> {
     let mut Y = F;
-    for (j, q) in blocks(S) {
+    for (j, q) in diagonal_blocks(S) {
         let known = Y.columns(0, j) * S.view((0, j), (j, q));
         let mut column = Y.columns(j, q) - known;
-        for (i, p) in blocks(T).rev() {
+        for (i, p) in diagonal_blocks(T).rev() {
             let below = i + p;
             let known = T.view((i, below), (p, T.nrows() - below)) * column.rows(below, T.nrows() - below);
             let rest = column.rows(i, p) - known;
@@ -94,12 +94,12 @@ pub(crate) fn triangular_sylvester(T: &Mat, S: &Mat, F: Mat) -> Result<Mat, Erro
 fn triangular_stein(T: &Mat, F: Mat) -> Result<Mat, Error> {
     let n = T.nrows();
     let mut Y = F;
-    for (j, q) in blocks(T).rev() {
+    for (j, q) in diagonal_blocks(T).rev() {
         let right = n - j - q;
         let later = Y.columns(j + q, right) * T.view((j, j + q), (q, right)).transpose();
         let mut column = Y.columns(j, q) + T * later;
         let S = T.view((j, j), (q, q)).into_owned();
-        for (i, p) in blocks(T).rev() {
+        for (i, p) in diagonal_blocks(T).rev() {
             let below = n - i - p;
             let known = T.view((i, i + p), (p, below)) * column.rows(i + p, below) * S.transpose();
             let rest = column.rows(i, p) + known;

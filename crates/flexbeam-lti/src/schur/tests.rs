@@ -10,7 +10,7 @@ fn check(A: &Mat, first: impl Fn(C64) -> bool, factor: f64) -> OrderedSchur {
     for j in 0..n {
         assert!((j + 2..n).all(|i| S.T[(i, j)] == 0.0), "quasi-triangular");
     }
-    for (k, width) in blocks(&S.T) {
+    for (k, width) in diagonal_blocks(&S.T) {
         if width == 2 {
             assert_eq!(S.T[(k, k)], S.T[(k + 1, k + 1)]);
             assert!(S.T[(k, k + 1)] * S.T[(k + 1, k)] < 0.0);
