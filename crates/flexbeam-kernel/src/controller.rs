@@ -1,5 +1,5 @@
-//! The linear controller. Enters: its coefficients, the state, the inputs (v, y, u_applied). Leaves: u, y_model and the next state.
-//! Deliberately absent: where the coefficients come from, and the memory: the caller lends it.
+//! The linear controller. Enters: its coefficients, the state, the inputs (v, y, u_applied). Leaves: u, y_model and the
+//! next state. Deliberately absent: where the coefficients come from, and the memory: the caller lends it.
 
 use core::fmt;
 
@@ -45,11 +45,13 @@ impl core::error::Error for Error {}
 
 /// x+ = A x + B (v, y, u_applied),  (u, y_model) = C x + D (v, y).
 ///
-/// v is the smoothed reference, y = psi the filtered tip angle, u_applied the voltage that the plant effectively got (anti-windup comes with it),
-/// u the voltage asked for and y_model = M r what the reference model does. Order is a run-time number and may be zero.
+/// v is the smoothed reference, y = psi the filtered tip angle, u_applied the voltage that the plant effectively got
+/// (anti-windup comes with it), u the voltage asked for and y_model = M r what the reference model does. Order is a
+/// run-time number and may be zero.
 ///
 /// Shapes: A n*n, B n*3, C 2*n, D 2*2, each column-major, one after the other in one slice.
-/// Numerics: one accumulation per row over the columns of [A B] or [C D] in ascending order, beginning with the first product (not with zero).
+/// Numerics: one accumulation per row over the columns of [A B] or [C D] in ascending order, beginning with the first
+/// product (not with zero).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Controller<'a> {
     order: usize,
@@ -73,7 +75,8 @@ impl<'a> Controller<'a> {
 
     /// Real-time: no. A controller over coefficients that the caller keeps.
     ///
-    /// Errors: [`Error::Coefficients`] when the length is not that of the order, [`Error::NotFinite`] at the first coefficient that is no number.
+    /// Errors: [`Error::Coefficients`] when the length is not that of the order, [`Error::NotFinite`] at the first
+    /// coefficient that is no number.
     pub fn new(order: usize, coefficients: &'a [f64]) -> Result<Self, Error> {
         let found = coefficients.len();
         let needed = Self::coefficients_len(order).unwrap_or(usize::MAX);

@@ -1,15 +1,18 @@
 //! The variable-structure law around the controller (paper, Figure 8; DESIGN section 7).
 //!
-//! Enters: the controller's u, the error e = y_model - y, the voltage after limits. Leaves: the compensated u_c, and the u_applied that the controller's observer hears.
+//! Enters: the controller's u, the error e = y_model - y, the voltage after limits. Leaves: the compensated u_c, and
+//! the u_applied that the controller's observer hears.
 //!
-//! What u_applied must be. The controller's observer models the plant without its dead zone, so it must hear a voltage on that side of the dead zone.
+//! What u_applied must be. The controller's observer models the plant without its dead zone, so it must hear a voltage
+//! on that side of the dead zone.
 //!
-//! * `Inverse`: u_c = f(u) with f(u) = u + u_p sat(u/eps_u) strictly increasing, so u_applied = f^-1(voltage). Below the voltage limit it is u itself, to the last bit: the
-//!   controller stays the linear one that was certified, with its K(0), and at rest |e| <= v_res/K(0). Hearing u_c instead, the observer believes in a push of u_p
-//!   that never reaches the beam (3.2 degrees of stationary error against 0.3). Removing the dead zone literally (0 while stuck) would freeze integral action
-//!   wherever the hub sticks.
-//! * `Switched`: f jumps and has no inverse, and outside its dead region it compensates nothing. The observer hears what gets through the estimated dead zone: voltage minus
-//!   breakaway, zero inside.
+//! * `Inverse`: u_c = f(u) with f(u) = u + u_p sat(u/eps_u) strictly increasing, so u_applied = f^-1(voltage). Below
+//!   the voltage limit it is u itself, to the last bit: the controller stays the linear one that was certified, with
+//!   its K(0), and at rest |e| <= v_res/K(0). Hearing u_c instead, the observer believes in a push of u_p that never
+//!   reaches the beam (3.2 degrees of stationary error against 0.3). Removing the dead zone literally (0 while stuck)
+//!   would freeze integral action wherever the hub sticks.
+//! * `Switched`: f jumps and has no inverse, and outside its dead region it compensates nothing. The observer hears
+//!   what gets through the estimated dead zone: voltage minus breakaway, zero inside.
 //! * `None`: the limited voltage.
 
 use crate::settings::Settings;
@@ -26,7 +29,8 @@ pub enum Law {
     Inverse,
 }
 
-/// Residual voltage of the inverse law: the largest |u| at which u + u_p u/eps_u stays within a breakaway voltage of u_p.
+/// Real-time: no. Residual voltage of the inverse law: the largest |u| at which u + u_p u/eps_u stays within a breakaway voltage of
+/// u_p.
 ///
 /// v_res = eps_u u_p/(u_p + eps_u)  [V]
 ///
@@ -57,7 +61,8 @@ impl Switches {
         }
     }
 
-    /// Switch 2 closes below eps_u and opens above eps_u (1 + hysteresis_u); switch 1 closes above eps_e and opens below eps_e (1 - hysteresis_e).
+    /// Switch 2 closes below eps_u and opens above eps_u (1 + hysteresis_u); switch 1 closes above eps_e and opens
+    /// below eps_e (1 - hysteresis_e).
     fn update(&mut self, settings: &Settings, u: f64, e: f64) {
         let (u, e) = (magnitude(u), magnitude(e));
         let leave_u = settings.eps_u_v * (1.0 + settings.hysteresis_u);
@@ -111,7 +116,8 @@ fn inverse_of_inverse(settings: &Settings, voltage: f64) -> f64 {
     }
 }
 
-/// One direction of f^-1, voltage > 0. Without a positive threshold f jumps by u_p at zero; what falls into the jump comes from 0.
+/// One direction of f^-1, voltage > 0. Without a positive threshold f jumps by u_p at zero; what falls into the jump
+/// comes from 0.
 fn undone(voltage: f64, eps: f64, u_p: f64) -> f64 {
     if eps > 0.0 && voltage < eps + u_p {
         voltage * (eps / (eps + u_p))

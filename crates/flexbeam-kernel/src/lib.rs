@@ -2,10 +2,11 @@
 #![forbid(unsafe_code)]
 //! All that runs inside the loop.
 //!
-//! Enters: [`Measured`] angles and the reference, once a period. Leaves: [`Commanded`], the voltage to send and what a scope wants to see.
-//! Deliberately absent: `std`, allocation, panics, input and output, the clock, linear algebra crates, and every function whose last bit depends on the
-//! platform (sqrt, floor, round, fused multiply-add, powers, sines). Simulation, verification, the real-time loop and generated code all run [`tick`], so
-//! its order is stated once, there.
+//! Enters: [`Measured`] angles and the reference, once a period. Leaves: [`Commanded`], the voltage to send and what a
+//! scope wants to see. Deliberately absent: `std`, allocation, panics, input and output, the clock, linear algebra
+//! crates, and every function whose last bit depends on the platform (sqrt, floor, round, fused multiply-add, powers,
+//! sines). Simulation, verification, the real-time loop and generated code all run [`tick`], so its order is stated
+//! once, there.
 //!
 //! # Example
 //!

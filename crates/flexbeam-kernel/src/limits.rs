@@ -1,4 +1,5 @@
-//! What may stop or bound the voltage. Enters: a voltage, angles, limits. Leaves: the bounded voltage, or the fault that latches 0 V.
+//! What may stop or bound the voltage. Enters: a voltage, angles, limits. Leaves: the bounded voltage, or the fault
+//! that latches 0 V.
 
 use crate::settings::Settings;
 
@@ -18,7 +19,8 @@ pub enum Fault {
     Order,
 }
 
-/// `voltage` within [-limit, limit]; 0 V for a limit that is negative or not a number. A voltage that is not a number stays so, for the check that follows.
+/// `voltage` within [-limit, limit]; 0 V for a limit that is negative or not a number. A voltage that is not a number
+/// stays so, for the check that follows.
 pub(crate) fn limited(voltage: f64, limit: f64) -> f64 {
     if !(limit >= 0.0) {
         0.0

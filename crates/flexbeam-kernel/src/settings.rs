@@ -1,4 +1,5 @@
-//! Everything that may be changed while the loop runs, as plain numbers computed outside it and swapped whole between two ticks.
+//! Everything that may be changed while the loop runs, as plain numbers computed outside it and swapped whole between
+//! two ticks.
 
 use crate::law::Law;
 
@@ -9,7 +10,8 @@ pub struct Channel {
     pub scale: f64,
     /// What the sensor shows at zero. Default 0 rad; taken off before scaling.
     pub offset_rad: f64,
-    /// Share a of the new measurement in y_f += a (y - y_f). Default 1 (passes through), no unit, 0 < a <= 1; a = 1 - exp(-2 pi f period_s) cuts off at f Hz.
+    /// Share a of the new measurement in y_f += a (y - y_f). Default 1 (passes through), no unit, 0 < a <= 1; a = 1 -
+    /// exp(-2 pi f period_s) cuts off at f Hz.
     pub low_pass: f64,
 }
 
@@ -32,7 +34,8 @@ impl Channel {
 
 /// The loop's live settings. The kernel knows no sample period, so what depends on it is given in ticks or per tick.
 ///
-/// [`crate::tick`] takes any numbers, senseless ones too, and stays safe; [`Settings::first_unsound`] names what does not make sense.
+/// [`crate::tick`] takes any numbers, senseless ones too, and stays safe; [`Settings::first_unsound`] names what does
+/// not make sense.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// The hub angle's calibration and filter.
@@ -41,11 +44,13 @@ pub struct Settings {
     pub alpha: Channel,
     /// Duration of the smooth step. Default 0 ticks: the reference passes unchanged.
     pub smooth_ticks: f64,
-    /// Steps above this size take proportionally longer than `smooth_ticks`, which bounds the reference's speed. Default infinite [rad].
+    /// Steps above this size take proportionally longer than `smooth_ticks`, which bounds the reference's speed.
+    /// Default infinite [rad].
     pub smooth_step_rad: f64,
     /// The variable-structure law. Default [`Law::Inverse`], which does nothing while both u_p are zero.
     pub law: Law,
-    /// Voltage added (inverse law) or sent (switched law) in the positive direction. Default 0 V; from the measured breakaway voltage.
+    /// Voltage added (inverse law) or sent (switched law) in the positive direction. Default 0 V; from the measured
+    /// breakaway voltage.
     pub u_p_plus_v: f64,
     /// The same in the negative direction, as a magnitude. Default 0 V.
     pub u_p_minus_v: f64,
@@ -57,7 +62,8 @@ pub struct Settings {
     pub hysteresis_u: f64,
     /// Switch 1 opens below eps_e (1 - hysteresis_e). Default 0.5, no unit.
     pub hysteresis_e: f64,
-    /// Estimated breakaway voltage in the positive direction, taken off what the controller hears under the switched law. Default 0 V.
+    /// Estimated breakaway voltage in the positive direction, taken off what the controller hears under the switched
+    /// law. Default 0 V.
     pub breakaway_plus_v: f64,
     /// The same in the negative direction, as a magnitude. Default 0 V.
     pub breakaway_minus_v: f64,
@@ -65,7 +71,8 @@ pub struct Settings {
     pub voltage_limit_v: f64,
     /// Largest magnitude of the filtered deflection angle; beyond it the rig is stopped. Default 0.5 rad.
     pub deflection_limit_rad: f64,
-    /// Largest change of the filtered hub angle in one tick (speed limit times period); beyond it the rig is stopped. Default infinite [rad].
+    /// Largest change of the filtered hub angle in one tick (speed limit times period); beyond it the rig is stopped.
+    /// Default infinite [rad].
     pub theta_step_limit_rad: f64,
 }
 
@@ -93,7 +100,8 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Real-time: no. Name of the first field whose number makes no sense (not a number, negative, a share outside 0..1), for the face to complain about.
+    /// Real-time: no. Name of the first field whose number makes no sense (not a number, negative, a share outside
+    /// 0..1), for the face to complain about.
     pub fn first_unsound(&self) -> Option<&'static str> {
         let finite = |x: f64| x.is_finite() && x >= 0.0;
         let limit = |x: f64| x > 0.0;

@@ -1,16 +1,18 @@
 //! The smooth step: a stepping reference becomes one with bounded velocity, acceleration and jerk (DESIGN section 7).
 //!
-//! Each change of the reference starts a minimum-jerk polynomial that leaves with the present position, velocity and acceleration and arrives at rest after a
-//! given number of ticks. Written about its end,
+//! Each change of the reference starts a minimum-jerk polynomial that leaves with the present position, velocity and
+//! acceleration and arrives at rest after a given number of ticks. Written about its end,
 //!
 //!   p(t) = target + (1 - t)^3 (c0 + c1 t + c2 t^2),   t = ticks gone / ticks in all,
 //!
-//! the triple root makes the arrival exact to the last bit, and only products and sums are needed. Rejected: moving averages in cascade (a running sum drifts by
-//! rounding, and memory grows with the duration); time-optimal profiles (square and cube roots in the loop).
+//! the triple root makes the arrival exact to the last bit, and only products and sums are needed. Rejected: moving
+//! averages in cascade (a running sum drifts by rounding, and memory grows with the duration); time-optimal profiles
+//! (square and cube roots in the loop).
 //!
-//! From rest, a step of D rad in N ticks has at most velocity 15/8 D/N, acceleration 10/sqrt(3) D/N^2 and jerk 60 D/N^3 (per tick, per tick^2, per tick^3). Steps
-//! above a given size take proportionally longer, so these three bounds hold for steps of any size. A reference that changes on every tick is followed
-//! as by the filter 60/(s^3 + 9 s^2 + 36 s + 60) in time s = N ticks.
+//! From rest, a step of D rad in N ticks has at most velocity 15/8 D/N, acceleration 10/sqrt(3) D/N^2 and jerk 60 D/N^3
+//! (per tick, per tick^2, per tick^3). Steps above a given size take proportionally longer, so these three bounds hold
+//! for steps of any size. A reference that changes on every tick is followed as by the filter 60/(s^3 + 9 s^2 + 36 s +
+//! 60) in time s = N ticks.
 
 /// Where the reference is and where it goes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -83,7 +85,8 @@ mod tests {
         [0.0; 4].into_iter().chain(moved).collect()
     }
 
-    /// Largest velocity, acceleration and jerk, by differences. A difference is a mean of the derivative, so it stays below the derivative's bound.
+    /// Largest velocity, acceleration and jerk, by differences. A difference is a mean of the derivative, so it stays
+    /// below the derivative's bound.
     fn largest_differences(positions: &[f64]) -> [f64; 3] {
         let mut series = positions.to_vec();
         [(); 3].map(|()| {

@@ -1,5 +1,5 @@
-//! All that one tick hands to the next. Enters: memory that the caller lends. Leaves: itself, changed by [`crate::tick`] alone.
-//! Deliberately absent: settings, which may change between ticks without touching it.
+//! All that one tick hands to the next. Enters: memory that the caller lends. Leaves: itself, changed by
+//! [`crate::tick`] alone. Deliberately absent: settings, which may change between ticks without touching it.
 
 use crate::controller::{Controller, Error};
 use crate::filter::LowPass;

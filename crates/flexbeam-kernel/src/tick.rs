@@ -51,12 +51,14 @@ impl Commanded {
 
 /// Real-time: yes. One period of the loop.
 ///
-/// Order: scale, filter, limits on the measurements, smooth reference, controller outputs, variable-structure law, voltage limit, u_applied, state update, non-finite check.
+/// Order: scale, filter, limits on the measurements, smooth reference, controller outputs, variable-structure law,
+/// voltage limit, u_applied, state update, non-finite check.
 ///
-/// Total for any settings, any controller, any numbers: no panic, no allocation, no lock, no clock. A fault gives 0 V from this tick on, until
-/// [`State::reset`]; the measurements are still filtered and answered. A missed tick is not made up for: the next one runs with the state as it stands, so the
-/// caller counts it and decides.
+/// Total for any settings, any controller, any numbers: no panic, no allocation, no lock, no clock. A fault gives 0 V
+/// from this tick on, until [`State::reset`]; the measurements are still filtered and answered. A missed tick is not
+/// made up for: the next one runs with the state as it stands, so the caller counts it and decides.
 /// Numerics: the same f64 bits on every IEEE platform without contraction. About 2 n (n + 5) flops.
+/// Source: paper, Figure 8, for what stands between controller and amplifier; DESIGN sections 1 and 7 for the order.
 pub fn tick(settings: &Settings, controller: &Controller<'_>, state: &mut State<'_>, measured: Measured) -> Commanded {
     let sensed = state.sense(settings, measured); // scale, filter
     let y = sensed.theta_rad + sensed.alpha_rad;

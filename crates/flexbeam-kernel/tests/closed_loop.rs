@@ -6,7 +6,7 @@ use flexbeam_kernel::{Commanded, Controller, Fault, Law, Measured, Settings, Sta
 const A: f64 = 0.967;
 const B: f64 = 1.86e-3 * (1.0 - A);
 /// State feedback with both poles at R, observer with both at Q.
-const R: f64 = 0.985;
+const R: f64 = 0.98;
 const Q: f64 = 0.95;
 const F: [f64; 2] = [(1.0 - R) * (1.0 - R) / B, (1.0 + A - 2.0 * R) / B];
 const L: [f64; 2] = [1.0 + A - 2.0 * Q, Q * Q - (2.0 * Q - A) * A];

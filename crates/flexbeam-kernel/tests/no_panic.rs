@@ -1,12 +1,13 @@
-//! The proof that the kernel cannot panic: `tests/link` is a `no_std` shared library around it whose panic handler calls a symbol that nothing defines. It links
-//! only if the optimiser removed every path to a panic.
+//! The proof that the kernel cannot panic: `tests/link` is a `no_std` shared library around it whose panic handler
+//! calls a symbol that nothing defines. It links only if the optimiser removed every path to a panic.
 
 use std::path::Path;
 use std::process::{Command, Output};
 
 const UNDEFINED: &str = "flexbeam_kernel_can_panic";
 
-/// Builds `tests/link` in release. `-z defs` refuses undefined symbols; libc is there for memset and memcpy, libm is not.
+/// Builds `tests/link` in release. `-z defs` refuses undefined symbols; libc is there for memset and memcpy, libm is
+/// not.
 fn link(features: &str) -> Output {
     let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/link");
     Command::new(env!("CARGO"))

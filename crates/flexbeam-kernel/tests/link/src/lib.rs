@@ -19,7 +19,12 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
 extern "C" fn rust_eh_personality() {}
 
 #[unsafe(no_mangle)]
-fn linked_tick(settings: &Settings, controller: &Controller<'_>, state: &mut State<'_>, measured: Measured) -> Commanded {
+fn linked_tick(
+    settings: &Settings,
+    controller: &Controller<'_>,
+    state: &mut State<'_>,
+    measured: Measured,
+) -> Commanded {
     tick(settings, controller, state, measured)
 }
 
