@@ -24,7 +24,7 @@ fn time_of_tick(c: &mut Criterion) {
             b.iter(|| {
                 k = k.wrapping_add(1);
                 // A square wave of 1000 ticks, so that the smooth step moves now and then rests.
-                let reference_rad = if k / 500 % 2 == 0 { 0.5 } else { -0.5 };
+                let reference_rad = if (k / 500).is_multiple_of(2) { 0.5 } else { -0.5 };
                 let measured = Measured { reference_rad, theta_rad: 0.3 * reference_rad, alpha_rad: 0.01 };
                 tick(&settings, &controller, &mut state, black_box(measured))
             });
