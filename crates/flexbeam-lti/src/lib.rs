@@ -7,11 +7,15 @@ mod blocks;
 pub mod connections;
 #[cfg(test)]
 mod draw;
+pub mod equilibration;
 mod error;
+pub mod generalised;
 pub mod hankel;
 pub mod logarithm;
+pub mod norm;
 pub mod schur;
 pub mod exponential;
+mod rational;
 pub mod sampling;
 mod signals;
 pub mod split;
@@ -19,11 +23,14 @@ pub mod simulation;
 mod state_space;
 pub mod sylvester;
 mod time;
+mod zpk;
 
 pub use error::Error;
+pub use rational::Rational;
 pub use signals::Signals;
 pub use state_space::StateSpace;
 pub use time::Time;
+pub use zpk::Zpk;
 
 /// Real matrix: the one alias that every crate uses.
 pub type Mat = nalgebra::DMatrix<f64>;

@@ -17,8 +17,7 @@ const ON_BOUNDARY: f64 = 64.0 * f64::EPSILON;
 /// Numerics: O(n^3); the error of the sum grows with the norm of the decoupling matrix, that is as the parts' poles approach.
 /// Source: Safonov, Jonckheere, Verma and Limebeer 1987.
 pub fn split(G: &StateSpace, first: impl Fn(C64) -> bool) -> Result<(StateSpace, StateSpace), Error> {
-    let (A, scale) = balanced(&G.A);
-    let (B, C) = (in_scale(&G.B, &scale), out_of_scale(&G.C, &scale));
+    let StateSpace { A, B, C, .. } = balanced_states(G);
     let S = ordered_schur(&A, first)?;
     let (n, k) = (G.order(), S.leading);
     let (Q1, Q2) = (S.Q.columns(0, k), S.Q.columns(k, n - k));
@@ -74,12 +73,12 @@ pub(crate) fn expect_stable(G: &StateSpace) -> Result<(), Error> {
     }
 }
 
-fn in_scale(B: &Mat, scale: &[f64]) -> Mat {
-    Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / scale[i])
-}
-
-fn out_of_scale(C: &Mat, scale: &[f64]) -> Mat {
-    Mat::from_fn(C.nrows(), C.ncols(), |i, j| C[(i, j)] * scale[j])
+/// The same system with states scaled by powers of two so that A is balanced.
+pub(crate) fn balanced_states(G: &StateSpace) -> StateSpace {
+    let (A, scale) = balanced(&G.A);
+    let B = Mat::from_fn(G.order(), G.inputs(), |i, j| G.B[(i, j)] / scale[i]);
+    let C = Mat::from_fn(G.outputs(), G.order(), |i, j| G.C[(i, j)] * scale[j]);
+    StateSpace { A, B, C, D: G.D.clone(), time: G.time }
 }
 
 #[cfg(test)]
