@@ -8,16 +8,32 @@
 
 mod columns;
 mod csv;
+mod document;
+mod emit;
 mod error;
+mod extended;
 mod fault;
 mod hash;
+mod matrices;
+mod misfit;
+mod model;
+mod note;
+mod provenance;
 mod recording;
+mod tree;
 mod write;
 
 pub use columns::ColumnName;
 pub use csv::{LEFT_OUT, csv_text};
+pub use document::Document;
 pub use error::{Error, Place, Tried};
+pub use extended::Extended;
 pub use fault::Fault;
 pub use hash::sha256_hex;
+pub use matrices::{Matrices, Rows, pairs};
+pub use misfit::Misfit;
+pub use model::{Axis, Identification, Model, Physical, Uncertainty, Validation};
+pub use note::Note;
+pub use provenance::{Parent, Provenance, State, Step, trace};
 pub use recording::{FEWEST_ROWS, Layout, PERIOD_TOLERANCE, Recording, STEP_TOLERANCE, write_signals};
 pub use write::{Overwrite, Written, check_free, read_bytes, write_bytes};

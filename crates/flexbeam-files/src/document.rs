@@ -1,0 +1,124 @@
+//! TOML documents with a schema: reading with places, writing what reads back.
+
+use crate::emit::toml_text;
+use crate::error::{Error, Tried};
+use crate::fault::Fault;
+use crate::misfit::{Misfit, Step};
+use crate::provenance::Provenance;
+use crate::tree::Node;
+use crate::write::{Overwrite, Written, read_bytes, write_bytes};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::path::Path;
+use toml::de::{DeTable, DeValue};
+
+/// The key that names a document's kind and version.
+pub(crate) const SCHEMA_KEY: &str = "schema";
+
+/// A kind of TOML file.
+pub trait Document: Serialize + DeserializeOwned {
+    /// Kind and version: `flexbeam.model/1`.
+    const SCHEMA: &'static str;
+
+    /// What the file holds, for the comment at its head.
+    const HEAD: &'static str;
+
+    /// Where it came from, if it says so.
+    fn provenance(&self) -> Option<&Provenance>;
+
+    /// What serde cannot see: shapes, ranges, lengths.
+    #[doc(hidden)]
+    fn check(&self) -> Result<(), Misfit>;
+
+    /// Reads the document at `path`.
+    ///
+    /// Errors: [`Fault::Io`], [`Fault::IsFolder`], [`Fault::NotText`], and those of [`Document::parse`].
+    fn read(path: &Path) -> Result<Self, Error> {
+        let bytes = read_bytes(path)?;
+        match std::str::from_utf8(&bytes) {
+            Ok(text) => Self::parse(text, path),
+            Err(_) => Err(Error::new(Tried::Read, path, Fault::NotText)),
+        }
+    }
+
+    /// The document in `text`; `source` is for messages.
+    ///
+    /// Errors: [`Fault::Syntax`], [`Fault::NoSchema`], [`Fault::Schema`], [`Fault::UnknownKey`],
+    /// [`Fault::MissingKey`], [`Fault::WrongType`], [`Fault::Choice`], [`Fault::NotFinite`], [`Fault::Shape`],
+    /// [`Fault::Length`], [`Fault::Range`], [`Fault::OneOf`], [`Fault::DuplicateName`].
+    fn parse(text: &str, source: &Path) -> Result<Self, Error> {
+        parse(text, source, Tried::Read)
+    }
+
+    /// The document as TOML, with its schema.
+    ///
+    /// Errors: as [`Document::parse`], for what could be written but not read back (NaN, shapes that do not fit).
+    fn to_toml(&self, path: &Path) -> Result<String, Error> {
+        let table = toml::Table::try_from(self).map_err(|error| {
+            let fault = Fault::Syntax { message: error.to_string() };
+            Error::new(Tried::Write, path, fault)
+        })?;
+        let text = format!("# {}\n{SCHEMA_KEY} = {:?}\n{}", Self::HEAD, Self::SCHEMA, toml_text(&table));
+        parse::<Self>(&text, path, Tried::Write)?;
+        Ok(text)
+    }
+
+    /// Writes the document to `path`.
+    ///
+    /// Errors: those of [`Document::to_toml`]; [`Fault::Exists`], [`Fault::IsFolder`], [`Fault::Io`].
+    fn write(&self, path: &Path, overwrite: Overwrite) -> Result<Written, Error> {
+        write_bytes(path, self.to_toml(path)?.as_bytes(), overwrite)
+    }
+}
+
+fn parse<T: Document>(text: &str, source: &Path, tried: Tried) -> Result<T, Error> {
+    let fault = |fault| Error::new(tried, source, fault);
+    let mut table = parse_table(text, source, tried)?;
+    match table.remove(SCHEMA_KEY) {
+        None => return Err(fault(Fault::NoSchema { needed: T::SCHEMA })),
+        Some(schema) if schema.as_ref().as_str() != Some(T::SCHEMA) => {
+            let found = schema.as_ref().as_str().unwrap_or(schema.as_ref().type_str()).to_string();
+            let fault = fault(Fault::Schema { found, needed: T::SCHEMA });
+            return Err(fault.at_offset(text, schema.span().start));
+        }
+        Some(_) => {}
+    }
+    let root = DeValue::Table(table);
+    let document = T::deserialize(Node::of(&root)).and_then(|document| document.check().map(|()| document));
+    document.map_err(|misfit| {
+        let offset = misfit.offset.or_else(|| located(&root, &misfit.path));
+        let fault = fault(misfit.into_fault());
+        match offset {
+            Some(offset) => fault.at_offset(text, offset),
+            None => fault,
+        }
+    })
+}
+
+/// The document's keys with their places, whatever its schema.
+pub(crate) fn parse_table<'a>(text: &'a str, source: &Path, tried: Tried) -> Result<DeTable<'a>, Error> {
+    DeTable::parse(text).map(|table| table.into_inner()).map_err(|error| {
+        let message = error.message().replace('\n', ", ").replace('`', "'");
+        let fault = Error::new(tried, source, Fault::Syntax { message });
+        match error.span() {
+            Some(span) => fault.at_offset(text, span.start),
+            None => fault,
+        }
+    })
+}
+
+/// The byte at which the value under `path` stands, or the last one on the way to it that exists.
+fn located(root: &DeValue<'_>, path: &[Step]) -> Option<usize> {
+    let mut value = root;
+    let mut offset = None;
+    for step in path {
+        let next = match step {
+            Step::Key(key) => value.get(key.as_str()),
+            Step::Entry(k) => value.get(*k),
+        };
+        let Some(next) = next else { break };
+        offset = Some(next.span().start);
+        value = next.as_ref();
+    }
+    offset
+}

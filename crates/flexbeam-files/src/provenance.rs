@@ -1,0 +1,234 @@
+//! Where a file came from: the tool, the command, and the files it was made of by their hashes.
+//!
+//! Enters: paths. Leaves: [`Provenance`] to put into a file, and [`trace`], the walk back to the recording.
+//! Deliberately absent: the clock.
+
+use crate::Document;
+use crate::document::{SCHEMA_KEY, parse_table};
+use crate::error::{Error, Tried};
+use crate::hash::sha256_hex;
+use crate::note::Note;
+use crate::tree::Node;
+use crate::write::read_bytes;
+use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
+use std::path::{Component, Path, PathBuf};
+
+/// The table `provenance` of every file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// Tool and version: `flexbeam 0.1.0`.
+    pub tool: String,
+    /// The command line that made the file.
+    pub command: Option<String>,
+    /// When, in the caller's words; nobody reads the clock here.
+    pub time: Option<String>,
+    /// The files it was made of.
+    #[serde(default)]
+    pub parents: Vec<Parent>,
+}
+
+/// A file that another one was made of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parent {
+    /// Path as seen from the child's folder, with `/`.
+    pub path: String,
+    /// SHA-256 of its bytes at the time, in hexadecimal.
+    pub sha256: String,
+    /// Its schema, where it has one.
+    pub schema: Option<String>,
+}
+
+impl Parent {
+    /// The file at `path` as the parent of the file at `child`.
+    ///
+    /// Errors: [`Fault::Io`](crate::Fault::Io), [`Fault::IsFolder`](crate::Fault::IsFolder).
+    pub fn of(path: &Path, child: &Path) -> Result<Parent, Error> {
+        let bytes = read_bytes(path)?;
+        Ok(Parent { path: relative(path, child), sha256: sha256_hex(&bytes), schema: Origin::of(path, &bytes).schema })
+    }
+}
+
+/// What became of a file since its child was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum State {
+    /// The file at which the walk began: no child states its hash.
+    Start,
+    /// The same bytes.
+    Same,
+    /// Other bytes.
+    Changed,
+    /// Not there any more, or not readable.
+    Missing,
+}
+
+/// One file on the way back to the recording.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Step {
+    /// Generations above the start: 0 the start itself, 1 its parents.
+    pub generation: usize,
+    /// The file, as seen from the working folder.
+    pub path: PathBuf,
+    /// The schema found in it, or the one that its child states.
+    pub schema: Option<String>,
+    /// The hash found.
+    pub sha256_found: Option<String>,
+    /// The hash that its child states.
+    pub sha256_expected: Option<String>,
+    /// What became of it.
+    pub state: State,
+    /// The command that made it, where it says so.
+    pub command: Option<String>,
+}
+
+/// Walks from a file back to what it was made of, depth first: a controller, its model, the model's recording.
+///
+/// Reads any version of any schema that has the tables `provenance`. A file that changed is walked on from as it stands
+/// now; a file that was met already is listed, but not walked on from again. A recording's parents stand in the
+/// [`Note`] beside it, which counts only while the recording is the one it was written for.
+///
+/// Errors: [`Fault::Io`](crate::Fault::Io), [`Fault::IsFolder`](crate::Fault::IsFolder), for the start only.
+pub fn trace(path: &Path) -> Result<Vec<Step>, Error> {
+    let bytes = read_bytes(path)?;
+    let mut walk = Walk { met: HashSet::new(), steps: Vec::new() };
+    walk.visit(0, path.to_path_buf(), Some(bytes), None);
+    Ok(walk.steps)
+}
+
+struct Walk {
+    met: HashSet<PathBuf>,
+    steps: Vec<Step>,
+}
+
+impl Walk {
+    /// `stated` is what the child says of this file.
+    fn visit(&mut self, generation: usize, path: PathBuf, bytes: Option<Vec<u8>>, stated: Option<&Parent>) {
+        let origin = bytes.as_ref().map(|bytes| Origin::of(&path, bytes)).unwrap_or_default();
+        let sha256_found = bytes.map(|bytes| sha256_hex(&bytes));
+        let sha256_expected = stated.map(|parent| parent.sha256.clone());
+        let provenance = origin.provenance.unwrap_or_default();
+        let first_time = self.met.insert(path.canonicalize().unwrap_or_else(|_| path.clone()));
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        self.steps.push(Step {
+            generation,
+            path,
+            schema: origin.schema.or_else(|| stated.and_then(|parent| parent.schema.clone())),
+            state: State::of(sha256_found.as_deref(), sha256_expected.as_deref()),
+            sha256_found,
+            sha256_expected,
+            command: provenance.command,
+        });
+        for parent in provenance.parents.iter().filter(|_| first_time) {
+            let path = folder.join(&parent.path);
+            let bytes = read_bytes(&path).ok();
+            self.visit(generation + 1, path, bytes, Some(parent));
+        }
+    }
+}
+
+impl State {
+    fn of(found: Option<&str>, expected: Option<&str>) -> State {
+        match (found, expected) {
+            (None, _) => State::Missing,
+            (Some(_), None) => State::Start,
+            (Some(found), Some(expected)) if found.eq_ignore_ascii_case(expected) => State::Same,
+            (Some(_), Some(_)) => State::Changed,
+        }
+    }
+}
+
+/// What a file says about itself, whatever else is in it.
+#[derive(Default)]
+struct Origin {
+    schema: Option<String>,
+    provenance: Option<Provenance>,
+}
+
+impl Origin {
+    /// What `bytes` say, or the note beside `path` when they are a recording.
+    fn of(path: &Path, bytes: &[u8]) -> Origin {
+        match std::str::from_utf8(bytes) {
+            Ok(text) if looks_like_toml(text) => Origin::in_document(text, path),
+            _ => Origin::in_note(path, bytes),
+        }
+    }
+
+    fn in_document(text: &str, path: &Path) -> Origin {
+        let Ok(table) = parse_table(text, path, Tried::Read) else { return Origin::default() };
+        let schema = table.get(SCHEMA_KEY).and_then(|value| value.as_ref().as_str()).map(String::from);
+        let provenance = table.get("provenance").map(|value| Provenance::deserialize(Node::of(value.as_ref())));
+        Origin { schema, provenance: provenance.and_then(Result::ok) }
+    }
+
+    fn in_note(path: &Path, bytes: &[u8]) -> Origin {
+        match Note::read(&Note::path_for(path)) {
+            Ok(note) if note.sha256 == sha256_hex(bytes) => {
+                Origin { schema: Some(Note::SCHEMA.into()), provenance: note.provenance }
+            }
+            _ => Origin::default(),
+        }
+    }
+}
+
+/// Whether the first line that is neither blank nor a comment is a key or a section: spares parsing a long recording.
+fn looks_like_toml(text: &str) -> bool {
+    let first = text.lines().map(str::trim_start).find(|line| !line.is_empty() && !line.starts_with('#'));
+    first.is_some_and(|line| line.starts_with('[') || line.contains('='))
+}
+
+/// `path` as seen from the folder of `child`, with `/`; absolute when the two have nothing in common.
+fn relative(path: &Path, child: &Path) -> String {
+    let (path, child) = (plain(path), plain(child));
+    let folder = child.parent().unwrap_or(Path::new(""));
+    let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    if shared == 0 {
+        return path.to_string_lossy().into_owned();
+    }
+    let up = folder.components().skip(shared).map(|_| Component::ParentDir);
+    let steps = up.chain(path.components().skip(shared));
+    steps.map(|step| step.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
+}
+
+/// Absolute, without `.` and `..`.
+fn plain(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let mut plain = PathBuf::new();
+    for step in absolute.components() {
+        match step {
+            Component::ParentDir => {
+                plain.pop();
+            }
+            Component::CurDir => {}
+            step => plain.push(step),
+        }
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parents_are_named_from_the_child_s_folder() {
+        for (path, child, seen) in [
+            ("a/recording.csv", "a/model.toml", "recording.csv"),
+            ("a/recording.csv", "model.toml", "a/recording.csv"),
+            ("recording.csv", "a/b/model.toml", "../../recording.csv"),
+            ("./x/../a/recording.csv", "a/models/model.toml", "../recording.csv"),
+        ] {
+            assert_eq!(relative(Path::new(path), Path::new(child)), seen);
+        }
+    }
+
+    #[test]
+    fn only_documents_are_parsed_as_toml() {
+        assert!(looks_like_toml("# head\n\nschema = \"x/1\"\n"));
+        assert!(looks_like_toml("[provenance]\n"));
+        assert!(!looks_like_toml("# schema = 1\ntime_s,u\n0,1\n"));
+        assert!(!looks_like_toml(""));
+    }
+}
