@@ -1,0 +1,113 @@
+//! What the tests need from the system: Debian packages, each with a command that proves it is there. Missing ones are
+//! installed as root or with a sudo that asks nothing; otherwise the line to type is printed and the chore stops with
+//! status 2.
+
+use crate::step::{Step, Stop};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// A Debian package and its proof.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Need {
+    package: &'static str,
+    /// Succeeds when the package is there.
+    proof: &'static [&'static str],
+    why: &'static str,
+}
+
+const NEEDS: [Need; 1] = [Need {
+    package: "gcc",
+    proof: &["cc", "--version"],
+    why: "links every program, and the kernel's library that proves it cannot panic",
+}];
+
+/// How packages may be installed here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Privilege {
+    Root,
+    Sudo,
+    Neither,
+}
+
+/// Installs what is missing.
+pub fn ensure(root: &Path) -> Result<(), Stop> {
+    let missing: Vec<Need> = NEEDS.into_iter().filter(|need| !succeeds(need.proof)).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    for need in &missing {
+        eprintln!("missing: {} ({})", need.package, need.why);
+    }
+    plan(&missing, privilege())?.iter().try_for_each(|step| step.run(root))?;
+    match missing.iter().find(|need| !succeeds(need.proof)) {
+        None => Ok(()),
+        Some(need) => {
+            Err(Stop::usage(format!("xtask: {} is installed, yet `{}` fails", need.package, need.proof.join(" "))))
+        }
+    }
+}
+
+fn plan(missing: &[Need], privilege: Privilege) -> Result<Vec<Step>, Stop> {
+    let packages = missing.iter().map(|need| need.package).collect::<Vec<_>>().join(" ");
+    let (program, before) = match privilege {
+        Privilege::Root => ("apt-get", ""),
+        Privilege::Sudo => ("sudo", "-n apt-get "),
+        Privilege::Neither => {
+            return Err(Stop::usage(format!(
+                "xtask: the tests need packages that only root may install. Type:\n  \
+                 sudo apt-get update && sudo apt-get install -y --no-install-recommends {packages}"
+            )));
+        }
+    };
+    let install = format!("{before}install -y --no-install-recommends {packages}");
+    Ok(vec![
+        Step::new("package lists", program, &format!("{before}update -q")),
+        Step::new("packages", program, &install),
+    ])
+}
+
+fn privilege() -> Privilege {
+    let id = Command::new("id").arg("-u").output();
+    if id.is_ok_and(|id| id.stdout.trim_ascii() == b"0") {
+        Privilege::Root
+    } else if succeeds(&["sudo", "-n", "true"]) {
+        Privilege::Sudo
+    } else {
+        Privilege::Neither
+    }
+}
+
+fn succeeds(command: &[&str]) -> bool {
+    let [program, arguments @ ..] = command else { return false };
+    let mut quiet = Command::new(program);
+    quiet.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    quiet.status().is_ok_and(|status| status.success())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TWO: [Need; 2] =
+        [Need { package: "gcc", proof: &["false"], why: "" }, Need { package: "valgrind", proof: &["false"], why: "" }];
+
+    #[test]
+    fn root_installs_and_others_ask_sudo() {
+        let typed = |privilege| plan(&TWO, privilege).unwrap().iter().map(Step::to_string).collect::<Vec<_>>();
+        let root = ["apt-get update -q", "apt-get install -y --no-install-recommends gcc valgrind"];
+        assert_eq!(typed(Privilege::Root), root);
+        assert_eq!(typed(Privilege::Sudo), root.map(|line| format!("sudo -n {line}")));
+    }
+
+    #[test]
+    fn without_either_the_line_to_type_comes_with_status_2() {
+        let stop = plan(&TWO, Privilege::Neither).unwrap_err();
+        assert_eq!(stop.status, 2);
+        assert!(stop.message.ends_with("sudo apt-get install -y --no-install-recommends gcc valgrind"));
+    }
+
+    #[test]
+    fn a_proof_can_fail() {
+        assert!(succeeds(&["true"]) && !succeeds(&["false"]) && !succeeds(&["flexbeam-no-such-program"]));
+    }
+}

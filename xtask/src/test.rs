@@ -1,0 +1,79 @@
+//! `cargo xtask test`: everything that must hold before a change goes in.
+
+use crate::metadata::Workspace;
+use crate::step::{Step, Stop};
+use crate::{needs, tidy};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Names the folder with the public recordings, for the tests that identify them.
+const DATA: &str = "FLEXBEAM_DATA";
+
+/// Runs every step in turn and stops at the first that fails.
+pub fn run(workspace: &Workspace) -> Result<(), Stop> {
+    let start = Instant::now();
+    let root = &workspace.root;
+    needs::ensure(root)?;
+    let data = recordings(std::env::var_os(DATA).as_deref(), root);
+    before_tests().iter().try_for_each(|step| step.run(root))?;
+    tidy::run(workspace)?;
+    tests(data.as_deref()).iter().try_for_each(|step| step.run(root))?;
+    eprintln!("\nxtask test: all holds, {:.0} s", start.elapsed().as_secs_f64());
+    if data.is_none() {
+        eprintln!("\n*** THE TESTS ON RECORDINGS WERE LEFT OUT: set {DATA} to the folder that holds robot_arm.dat ***");
+    }
+    Ok(())
+}
+
+fn before_tests() -> Vec<Step> {
+    vec![
+        Step::cargo("format", "fmt --all --check"),
+        Step::cargo("clippy", "clippy --workspace --all-targets -- -D warnings"),
+        Step::cargo("documentation", "doc --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings"),
+    ]
+}
+
+/// The kernel and lti run once more in dev, for overflow checks.
+fn tests(data: Option<&Path>) -> Vec<Step> {
+    let dev = Step::cargo("tests with overflow checks", "test -p flexbeam-kernel -p flexbeam-lti");
+    let release = Step::cargo("tests", "test --release --workspace");
+    let with_data = |step: Step| match data {
+        Some(data) => step.env(DATA, data.to_string_lossy()),
+        None => step,
+    };
+    vec![dev.env("CARGO_INCREMENTAL", "0"), with_data(release.env("CARGO_INCREMENTAL", "0"))]
+}
+
+/// The folder that the variable names, or `../shared/data` beside the repository if there is one.
+fn recordings(variable: Option<&OsStr>, root: &Path) -> Option<PathBuf> {
+    match variable {
+        Some(folder) => Some(folder.into()),
+        None => root.join("../shared/data").canonicalize().ok(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recordings_come_from_the_variable_or_from_beside_the_repository() {
+        let root = std::env::temp_dir().join(format!("flexbeam-xtask-{}", std::process::id()));
+        let repository = root.join("main");
+        std::fs::create_dir_all(&repository).unwrap();
+        assert_eq!(recordings(None, &repository), None);
+        std::fs::create_dir_all(root.join("shared/data")).unwrap();
+        let beside = recordings(None, &repository).unwrap();
+        assert!(beside.is_absolute() && beside.ends_with("shared/data"));
+        assert_eq!(recordings(Some(OsStr::new("/else")), &repository), Some("/else".into()));
+        std::fs::remove_dir_all(root).unwrap();
+    }
+
+    #[test]
+    fn only_the_release_tests_get_the_recordings_and_they_come_last() {
+        let typed: Vec<String> = tests(Some(Path::new("/d"))).iter().map(Step::to_string).collect();
+        assert_eq!(typed[1], "CARGO_INCREMENTAL=0 FLEXBEAM_DATA=/d cargo test --release --workspace");
+        assert!(!typed[0].contains(DATA));
+    }
+}
