@@ -33,14 +33,6 @@ pub enum Error {
         /// The largest viscous friction that a motor with K_b = K_T can have here.
         largest: f64,
     },
-    /// Controller settings or voltages that do not belong to this rig's sample period.
-    #[error("the controller runs at {controller_s} s and the rig at {rig_s} s; set the same period on both")]
-    PeriodMismatch {
-        /// The period that came with the controller or the voltages [s].
-        controller_s: f64,
-        /// The rig's period [s].
-        rig_s: f64,
-    },
     /// A step response too short for its measures.
     #[error("{found} samples; the measures of a step response need at least {needed}")]
     TooFewSamples {

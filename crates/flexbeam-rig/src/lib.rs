@@ -3,16 +3,25 @@
 //! Enters: parameters, voltages, a seed. Leaves: linear models, exact responses, simulated measurements.
 //! Deliberately absent: files, the clock, design of controllers.
 
+mod actuator;
 mod beam;
 mod error;
+mod friction;
 mod lumped;
 mod motion;
 mod physical;
 mod roots;
+mod sensor;
+mod simulated;
+mod stick_slip;
 
+pub use actuator::Actuator;
 pub use beam::{Beam, Damping, Response};
 pub use error::Error;
+pub use friction::{Friction, Stribeck};
 pub use lumped::Output;
 pub use motion::Motion;
 pub use physical::{Drive, Lumped, Physical};
 pub use roots::clamped_free_root;
+pub use sensor::{Encoder, Gauge, GaugeSees, Sensors};
+pub use simulated::{Link, Measurement, RigParameters, SimulatedRig, Truth, open_loop};
