@@ -15,8 +15,10 @@ pub fn run(workspace: &Workspace) -> Result<(), Stop> {
         Some(mdbook) => mdbook,
         None => compiled(root)?,
     };
-    Step::new("book", &mdbook, "build book --dest-dir ../target/book").run(root)?;
-    eprintln!("the book: {}", root.join("target/book/index.html").display());
+    let html = root.join("target/book");
+    // Absolute, because versions differ in what a relative one starts from.
+    Step::new("book", &mdbook, "build book --dest-dir").arg(html.to_string_lossy()).run(root)?;
+    eprintln!("the book: {}", html.join("index.html").display());
     Ok(())
 }
 

@@ -20,7 +20,7 @@ pub fn run(workspace: &Workspace) -> Result<(), Stop> {
         eprintln!("--- tidy : {} packages, {} files", workspace.packages.len(), files.len());
         return Ok(());
     }
-    Err(Stop::failed(format!("tidy: {} rules broken\n  {}", broken.len(), broken.join("\n  "))))
+    Err(Stop::failed(format!("tidy: what is broken ({}):\n  {}", broken.len(), broken.join("\n  "))))
 }
 
 /// Every file that git has or would take.

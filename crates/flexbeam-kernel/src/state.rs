@@ -46,6 +46,8 @@ impl<'a> State<'a> {
     }
 
     /// Real-time: yes. Back to what [`State::new`] made: the only way out of a fault.
+    ///
+    /// Assumes: x = 0 stands for a beam at rest at 0 rad; where it rests elsewhere, the channels' offsets take it there.
     pub fn reset(&mut self) {
         self.z.fill(0.0);
         self.next.fill(0.0);

@@ -26,7 +26,14 @@ const DATA_ENDINGS: [&str; 6] = ["dat", "csv", "txt", "mat", "mcap", "gz"];
 /// One sentence for each broken rule; `recordings` are contents that must not be found.
 pub fn broken(files: &[File], recordings: &[Vec<u8>]) -> Vec<String> {
     let of_file = |file: &File| {
-        let rules = [too_long(file), leftover(file), recording(file, recordings), toolchain(file), derives_serde(file)];
+        let rules = [
+            too_long(file),
+            leftover(file),
+            recording(file, recordings),
+            toolchain(file),
+            derives_serde(file),
+            lints(file),
+        ];
         rules.into_iter().flatten().collect::<Vec<_>>()
     };
     files.iter().flat_map(of_file).chain(stale_allowances(files)).collect()
@@ -108,6 +115,14 @@ fn derives_serde(file: &File) -> Option<String> {
     found.then(|| format!("{}: derives serde; only flexbeam-files does", file.path))
 }
 
+/// Members take the lints of the workspace.
+fn lints(file: &File) -> Option<String> {
+    let parts: Vec<&str> = file.path.split('/').collect();
+    let member = matches!(parts.as_slice(), ["crates", _, "Cargo.toml"] | ["xtask", "Cargo.toml"]);
+    let taken = file.text().contains("[lints]\nworkspace = true");
+    (member && !taken).then(|| format!("{}: lacks `[lints] workspace = true`", file.path))
+}
+
 fn is_source(file: &File) -> bool {
     file.path.ends_with(".rs")
 }
@@ -162,6 +177,15 @@ mod tests {
         assert_eq!(planted("cases/Dryer.dat.gz", "").len(), 1);
         assert_eq!(planted("cases/innocent.txt", "1.0 2.0\n").len(), 1);
         assert_eq!(planted("cases/robot_arm.toml", ""), [""; 0]);
+    }
+
+    #[test]
+    fn a_member_without_the_lints_of_the_workspace_is_found() {
+        let package = "[package]\nname = \"a\"\n";
+        assert_eq!(planted("crates/a/Cargo.toml", package).len(), 1);
+        assert_eq!(planted("xtask/Cargo.toml", package).len(), 1);
+        assert_eq!(planted("crates/a/Cargo.toml", package.to_owned() + "[lints]\nworkspace = true\n"), [""; 0]);
+        assert_eq!(planted("crates/a/tests/link/Cargo.toml", package), [""; 0]);
     }
 
     #[test]
