@@ -156,4 +156,32 @@ pub enum Error {
         /// The eigenvalue.
         eigenvalue: f64,
     },
+    /// A Riccati equation whose Hamiltonian does not part into a stable and an antistable half.
+    #[error(
+        "the Hamiltonian has eigenvalues on the imaginary axis near {omega_rad_s:.6} rad/s; \
+         no mode there may be uncontrollable or unweighted"
+    )]
+    AxisEigenvalues {
+        /// Where on the axis [rad/s].
+        omega_rad_s: f64,
+    },
+    /// An unstable mode that the input does not reach.
+    #[error("mode {re:.6} + {im:.6}j cannot be stabilised: the input does not reach it")]
+    NotStabilisable {
+        /// Real part.
+        re: f64,
+        /// Imaginary part.
+        im: f64,
+    },
+    /// An input weight that cannot be inverted.
+    #[error("the input weight R is singular; a Riccati equation needs every input weighted")]
+    SingularWeight,
+    /// More states asked for than there are.
+    #[error("order {asked} asked for; the system has {available} states that join input and output")]
+    Order {
+        /// The order asked for.
+        asked: usize,
+        /// The most that can be had.
+        available: usize,
+    },
 }

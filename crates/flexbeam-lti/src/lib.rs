@@ -4,6 +4,7 @@
 //! Deliberately absent: files, the clock, random numbers, the rig.
 
 mod blocks;
+mod compression;
 pub mod connections;
 #[cfg(test)]
 mod draw;
@@ -13,9 +14,13 @@ pub mod generalised;
 pub mod hankel;
 pub mod logarithm;
 pub mod norm;
+pub mod minimal;
 pub mod schur;
 pub mod exponential;
 mod rational;
+pub mod response;
+pub mod reduction;
+pub mod riccati;
 pub mod sampling;
 mod signals;
 pub mod split;
@@ -23,6 +28,7 @@ pub mod simulation;
 mod state_space;
 pub mod sylvester;
 mod time;
+pub mod zeros;
 mod zpk;
 
 pub use error::Error;
