@@ -5,9 +5,11 @@
 
 mod actuator;
 mod beam;
+mod closed_loop;
 mod error;
 mod friction;
 mod lumped;
+mod metrics;
 mod motion;
 mod physical;
 mod roots;
@@ -17,9 +19,11 @@ mod stick_slip;
 
 pub use actuator::Actuator;
 pub use beam::{Beam, Damping, Response};
+pub use closed_loop::{ClosedLoopRecord, closed_loop};
 pub use error::Error;
 pub use friction::{Friction, Stribeck};
 pub use lumped::Output;
+pub use metrics::{FINAL_WINDOW_S, LIMIT_CYCLE_SWING_RAD, SETTLING_BAND, StepMetrics};
 pub use motion::Motion;
 pub use physical::{Drive, Lumped, Physical};
 pub use roots::clamped_free_root;

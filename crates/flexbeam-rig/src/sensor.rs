@@ -113,7 +113,8 @@ mod tests {
     fn the_encoder_counts() {
         let encoder = Encoder::default();
         let count = TAU / 4096.0;
-        for (theta, counts) in [(0.0, 0.0), (0.49 * count, 0.0), (0.51 * count, 1.0), (-0.51 * count, -1.0), (TAU, 4096.0)]
+        for (theta, counts) in
+            [(0.0, 0.0), (0.49 * count, 0.0), (0.51 * count, 1.0), (-0.51 * count, -1.0), (TAU, 4096.0)]
         {
             assert!((encoder.reading_rad(theta) - counts * count).abs() < 1e-14);
         }

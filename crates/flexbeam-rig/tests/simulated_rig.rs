@@ -129,7 +129,8 @@ fn friction_takes_what_the_energy_loses() {
     let energy = |rig: &SimulatedRig| {
         let t = rig.truth();
         let tip_rate = t.theta_rad_s + t.alpha_rad_s;
-        (physical.J_base * t.theta_rad_s.powi(2) + physical.J_link * tip_rate.powi(2)
+        (physical.J_base * t.theta_rad_s.powi(2)
+            + physical.J_link * tip_rate.powi(2)
             + physical.K_stiff * t.alpha_rad.powi(2))
             / 2.0
     };

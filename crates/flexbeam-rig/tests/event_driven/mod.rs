@@ -94,7 +94,11 @@ impl EventDriven {
                 let (mut still, mut gone) = (0.0, step);
                 while gone - still > 1e-18 && (still + gone) / 2.0 != gone && (still + gone) / 2.0 != still {
                     let middle = (still + gone) / 2.0;
-                    if self.has_ended(&self.after(middle, voltage_v), voltage_v) { gone = middle } else { still = middle }
+                    if self.has_ended(&self.after(middle, voltage_v), voltage_v) {
+                        gone = middle
+                    } else {
+                        still = middle
+                    }
                 }
                 step = gone;
                 next = self.after(step, voltage_v);
