@@ -181,3 +181,30 @@ fn a_tip_mass_bends_the_accelerated_beam_as_statics_says() {
     let found = (motion.tip.transpose() * eta)[0];
     assert!((found / wanted - 1.0).abs() < 1e-6, "{found} {wanted}");
 }
+
+/// The clamped beam with mass r m at its tip has frequencies omega_1 (lambda/mu_1)^2, where
+/// 1 + cos cosh + r lambda (cos sinh - sin cosh) = 0 at lambda.
+#[test]
+fn a_tip_mass_lowers_the_clamped_frequencies_as_the_exact_equation_says() {
+    let beam = Beam::paper();
+    let r = 0.4;
+    let characteristic = |x: f64| {
+        let moment = x.cos() * x.sinh() - x.sin() * x.cosh();
+        1.0 + x.cos() * x.cosh() + r * x * moment
+    };
+    let motion = Motion::assumed_modes(&beam, 80, r * beam.physical.link_mass_kg()).unwrap();
+    let mut found: Vec<f64> = motion.clamped().0.complex_eigenvalues().iter().map(|p| p.norm()).collect();
+    found.sort_by(f64::total_cmp);
+    let mu_1 = flexbeam_rig::clamped_free_root(1);
+    for (k, (mut low, mut high)) in [(1.0, 1.87), (3.2, 4.69), (6.5, 7.85)].into_iter().enumerate() {
+        assert!(characteristic(low) * characteristic(high) < 0.0, "mode {}", k + 1);
+        for _ in 0..60 {
+            let middle: f64 = (low + high) / 2.0;
+            if characteristic(low) * characteristic(middle) <= 0.0 { high = middle } else { low = middle }
+        }
+        let omega = beam.clamped_frequency_rad_s(1) * (low / mu_1).powi(2);
+        // Clamped-free shapes have no shear force at the tip: N of them miss by a part of order k^2/N.
+        let error = found[2 * k] / omega - 1.0;
+        assert!((-1e-9..5e-3).contains(&error), "mode {}: {error:e}", k + 1);
+    }
+}
