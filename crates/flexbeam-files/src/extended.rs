@@ -27,3 +27,10 @@ impl From<Extended> for f64 {
         x.0
     }
 }
+
+/// Nothing that bounds it is infinity.
+impl From<Option<f64>> for Extended {
+    fn from(x: Option<f64>) -> Extended {
+        x.map_or(Extended::INFINITE, Extended)
+    }
+}

@@ -6,7 +6,9 @@
 //!
 //! This is the only crate that derives serde; JSON answers are plain types of this crate, too.
 
+mod certificate;
 mod columns;
+mod controller;
 mod csv;
 mod document;
 mod emit;
@@ -18,12 +20,19 @@ mod matrices;
 mod misfit;
 mod model;
 mod note;
+mod project;
 mod provenance;
 mod recording;
+mod results;
+mod rig;
+mod settings;
+mod stiffness;
 mod tree;
 mod write;
 
+pub use certificate::{Certificate, LoopFigures};
 pub use columns::ColumnName;
+pub use controller::{Controller, Design};
 pub use csv::{LEFT_OUT, csv_text};
 pub use document::Document;
 pub use error::{Error, Place, Tried};
@@ -34,6 +43,14 @@ pub use matrices::{Matrices, Rows, pairs};
 pub use misfit::Misfit;
 pub use model::{Axis, Identification, Model, Physical, Uncertainty, Validation};
 pub use note::Note;
+pub use project::Project;
 pub use provenance::{Parent, Provenance, State, Step, trace};
 pub use recording::{FEWEST_ROWS, Layout, PERIOD_TOLERANCE, Recording, STEP_TOLERANCE, write_signals};
+pub use results::{
+    DesignResult, DistributedBeam, Figure, IdentifyResult, MonteCarlo, RationalCoefficients, ReferenceModel,
+    SampledRadius, SimulateResult, SolvabilityResult, Spread, VerifyResult, json_text,
+};
+pub use rig::{Rig, RigActuator, RigEncoder, RigFriction, RigGauge, RigLink, RigLumped, RigPhysical, Sees};
+pub use settings::{Channel, Law, Settings};
+pub use stiffness::{NoStiffness, Stiffness};
 pub use write::{Overwrite, Written, check_free, read_bytes, write_bytes};

@@ -1,5 +1,6 @@
 //! Whole files in and out: nothing is written over unasked, and no half-written file stays behind.
 
+use crate::document::SCHEMA_KEY;
 use crate::error::{Error, Tried};
 use crate::fault::Fault;
 use std::fs;
@@ -9,8 +10,11 @@ use std::path::Path;
 /// What to do when a file of that name stands already, with other content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overwrite {
-    /// Leave it alone and say so (the default on the command line).
+    /// Leave it alone and say so.
     Refuse,
+    /// Replace it if it is of the same kind: an older model by a model, a recording by a recording. A file that a
+    /// person wrote, or of which flexbeam knows nothing, stays.
+    SameKind,
     /// Replace it (`--force`).
     Allow,
 }
@@ -38,37 +42,72 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
 /// Errors: [`Fault::Exists`] when a file with other content stands there and `overwrite` refuses; [`Fault::IsFolder`];
 /// [`Fault::Io`]. After an error the old file stands as it was.
 pub fn write_bytes(path: &Path, bytes: &[u8], overwrite: Overwrite) -> Result<Written, Error> {
-    let outcome = match standing(path, bytes)? {
-        Some(true) => return Ok(Written::Unchanged),
-        Some(false) if overwrite == Overwrite::Refuse => return Err(Error::new(Tried::Write, path, Fault::Exists)),
-        Some(false) => Written::Replaced,
+    let outcome = match standing(path)? {
         None => Written::New,
+        Some(old) if old == bytes => return Ok(Written::Unchanged),
+        Some(old) if overwrite.permits(&old, bytes) => Written::Replaced,
+        Some(_) => return Err(Error::new(Tried::Write, path, Fault::Exists)),
     };
     beside_then_rename(path, bytes, overwrite).map_err(|error| refused(Tried::Write, path, &error))?;
     Ok(outcome)
 }
 
-/// Whether a write to `path` would be refused, without writing: ask before an hour of computing.
+/// Whether a file of this schema could be written to `path`: ask before an hour of computing.
 ///
-/// Errors: [`Fault::Exists`] when `overwrite` refuses and anything stands there; [`Fault::IsFolder`].
-pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), Error> {
-    let fault = match fs::metadata(path) {
-        Ok(found) if found.is_dir() => Fault::IsFolder,
-        Ok(_) if overwrite == Overwrite::Refuse => Fault::Exists,
-        _ => return Ok(()),
-    };
-    Err(Error::new(Tried::Write, path, fault))
+/// `schema` is a [`Document::SCHEMA`](crate::Document::SCHEMA), or nothing for a recording.
+///
+/// Errors: [`Fault::Exists`] when `overwrite` refuses what stands there; [`Fault::IsFolder`].
+pub fn check_free(path: &Path, schema: Option<&str>, overwrite: Overwrite) -> Result<(), Error> {
+    let new = schema.map_or(Kind::Recording, Kind::of_schema);
+    let permitted = standing(path)?.is_none_or(|old| overwrite.permits_kind(Kind::of(&old), Some(new)));
+    if permitted { Ok(()) } else { Err(Error::new(Tried::Write, path, Fault::Exists)) }
 }
 
-/// Whether the file at `path` has exactly these bytes; nothing when there is no file.
-fn standing(path: &Path, bytes: &[u8]) -> Result<Option<bool>, Error> {
-    match fs::metadata(path) {
+impl Overwrite {
+    fn permits(self, old: &[u8], new: &[u8]) -> bool {
+        self.permits_kind(Kind::of(old), Kind::of(new))
+    }
+
+    fn permits_kind(self, old: Option<Kind<'_>>, new: Option<Kind<'_>>) -> bool {
+        match self {
+            Overwrite::Refuse => false,
+            Overwrite::SameKind => old.is_some() && old == new,
+            Overwrite::Allow => true,
+        }
+    }
+}
+
+/// What flexbeam recognises as its own.
+#[derive(PartialEq)]
+enum Kind<'a> {
+    /// CSV with the time first, as recordings are written.
+    Recording,
+    /// A document of this schema, whatever its version.
+    Document(&'a str),
+}
+
+impl<'a> Kind<'a> {
+    fn of(bytes: &'a [u8]) -> Option<Kind<'a>> {
+        let text = std::str::from_utf8(bytes).ok()?;
+        let first = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#'))?;
+        match first.split_once('=') {
+            None => first.starts_with("time_s,").then_some(Kind::Recording),
+            Some((key, value)) if key.trim() == SCHEMA_KEY => Some(Kind::of_schema(value.trim().trim_matches('"'))),
+            Some(_) => None,
+        }
+    }
+
+    fn of_schema(schema: &'a str) -> Kind<'a> {
+        Kind::Document(schema.split('/').next().unwrap_or(schema))
+    }
+}
+
+/// The bytes at `path`; nothing when there is no file.
+fn standing(path: &Path) -> Result<Option<Vec<u8>>, Error> {
+    match fs::read(path) {
+        Ok(bytes) => Ok(Some(bytes)),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        Ok(found) if found.len() != bytes.len() as u64 && !found.is_dir() => Ok(Some(false)),
-        _ => match fs::read(path) {
-            Ok(found) => Ok(Some(found == bytes)),
-            Err(error) => Err(refused(Tried::Write, path, &error)),
-        },
+        Err(error) => Err(refused(Tried::Write, path, &error)),
     }
 }
 
@@ -82,7 +121,7 @@ fn beside_then_rename(path: &Path, bytes: &[u8], overwrite: Overwrite) -> io::Re
     beside.as_file().sync_all()?;
     match overwrite {
         Overwrite::Refuse => beside.persist_noclobber(path)?,
-        Overwrite::Allow => beside.persist(path)?,
+        Overwrite::SameKind | Overwrite::Allow => beside.persist(path)?,
     };
     Ok(())
 }
@@ -112,7 +151,7 @@ mod tests {
         assert_eq!(write_bytes(&path, b"one", Overwrite::Refuse).unwrap(), Written::Unchanged);
         let error = write_bytes(&path, b"two", Overwrite::Refuse).unwrap_err();
         assert_eq!(*error.fault, Fault::Exists);
-        assert_eq!(check_free(&path, Overwrite::Refuse).unwrap_err(), error);
+        assert_eq!(check_free(&path, None, Overwrite::Refuse).unwrap_err(), error);
         assert_eq!(fs::read(&path).unwrap(), b"one");
         assert_eq!(write_bytes(&path, b"two", Overwrite::Allow).unwrap(), Written::Replaced);
         assert_eq!(fs::read(&path).unwrap(), b"two");
@@ -120,11 +159,37 @@ mod tests {
     }
 
     #[test]
+    fn a_file_of_the_same_kind_may_be_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        let model: &[u8] = b"# flexbeam model\nschema = \"flexbeam.model/1\"\nA = 1\n";
+        let newer: &[u8] = b"schema = \"flexbeam.model/2\"\n";
+        let (recording, longer): (&[u8], &[u8]) = (b"time_s,u\n0,1\n", b"time_s,u\n0,1\n1,2\n");
+        let (notes, table): (&[u8], &[u8]) = (b"buy milk\n", b"a = 1\nschema = \"flexbeam.model/1\"\n");
+        for (old, new, schema, permitted) in [
+            (model, newer, Some("flexbeam.model/1"), true),
+            (recording, longer, None, true),
+            (model, recording, None, false),
+            (recording, model, Some("flexbeam.model/1"), false),
+            (notes, model, Some("flexbeam.model/1"), false),
+            (table, model, Some("flexbeam.model/1"), false),
+            (notes, longer, None, false),
+        ] {
+            fs::write(&path, old).unwrap();
+            assert_eq!(check_free(&path, schema, Overwrite::SameKind).is_ok(), permitted);
+            assert_eq!(write_bytes(&path, new, Overwrite::SameKind).is_ok(), permitted);
+            assert_eq!(fs::read(&path).unwrap(), if permitted { new } else { old });
+        }
+        fs::remove_file(&path).unwrap();
+        check_free(&path, None, Overwrite::Refuse).unwrap();
+    }
+
+    #[test]
     fn a_folder_is_not_a_file() {
         let folder = tempfile::tempdir().unwrap();
         for overwrite in [Overwrite::Refuse, Overwrite::Allow] {
             assert_eq!(*write_bytes(folder.path(), b"x", overwrite).unwrap_err().fault, Fault::IsFolder);
-            assert_eq!(*check_free(folder.path(), overwrite).unwrap_err().fault, Fault::IsFolder);
+            assert_eq!(*check_free(folder.path(), None, overwrite).unwrap_err().fault, Fault::IsFolder);
         }
         assert_eq!(*read_bytes(folder.path()).unwrap_err().fault, Fault::IsFolder);
     }

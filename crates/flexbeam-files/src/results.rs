@@ -1,0 +1,241 @@
+//! The commands' answers, as `--json` prints them: one object, SI units, keys that scripts rely on.
+//!
+//! An infinite or undefined number becomes `null`.
+
+use crate::certificate::LoopFigures;
+use crate::controller::Controller;
+use crate::extended::Extended;
+use crate::matrices::Rows;
+use crate::model::Physical;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// One answer as a JSON object on one line.
+pub fn json_text<T: Serialize>(answer: &T) -> String {
+    serde_json::to_string(answer).expect("answers have string keys only")
+}
+
+/// `flexbeam identify`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct IdentifyResult {
+    /// Order n.
+    pub order: usize,
+    /// Sample period [s].
+    pub period_s: f64,
+    /// Block rows i.
+    pub block_rows: usize,
+    /// Method: `moesp`, `paper`, ..
+    pub method: String,
+    /// Singular values, in descending order.
+    pub singular_values: Vec<f64>,
+    /// Poles in the z-plane, pairs [re, im].
+    pub poles: Vec<[f64; 2]>,
+    /// Poles in the s-plane [1/s]; null where there is no continuous model.
+    pub continuous_poles: Option<Vec<[f64; 2]>>,
+    /// For each output, percent on the part of the recording that was not used for estimation, or null.
+    pub fit_percent: BTreeMap<String, Option<f64>>,
+    /// The lumped model's numbers; null where the model does not have its pattern.
+    pub physical: Option<Physical>,
+    /// Names of the inputs.
+    pub inputs: Vec<String>,
+    /// Names of the outputs.
+    pub outputs: Vec<String>,
+    /// State matrix.
+    pub A: Rows,
+    /// Input matrix.
+    pub B: Rows,
+    /// Output matrix.
+    pub C: Rows,
+    /// Feedthrough.
+    pub D: Rows,
+    /// State at the first sample.
+    pub initial_state: Vec<f64>,
+    /// Time of the identification itself, reading apart [s].
+    pub identify_s: f64,
+}
+
+/// `flexbeam design` with a controller.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DesignResult {
+    /// Whether (22) is solvable.
+    pub solvable: bool,
+    /// The continuous loop.
+    #[serde(flatten)]
+    pub continuous: LoopFigures,
+    /// Number of states of the controller.
+    pub controller_order: usize,
+    /// Sample period [s].
+    pub period_s: f64,
+    /// M(s).
+    pub reference_model: ReferenceModel,
+    /// alpha(s) in the shifted plane.
+    pub uncertainty: RationalCoefficients,
+    /// Residual voltage for which the stiffness was chosen [V].
+    pub v_res_v: Option<f64>,
+    /// v_res/K(0) [rad].
+    pub stationary_error_rad: Option<f64>,
+    /// The loop that runs: sampled, with its exact delay; poles in the z-plane.
+    pub sampled: LoopFigures,
+}
+
+/// A rational function's coefficients, highest power first.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RationalCoefficients {
+    /// Numerator.
+    pub num: Vec<f64>,
+    /// Denominator.
+    pub den: Vec<f64>,
+}
+
+/// The reference model M(s).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReferenceModel {
+    /// Numerator, highest power first.
+    pub num: Vec<f64>,
+    /// Denominator, highest power first.
+    pub den: Vec<f64>,
+    /// Rise time [s].
+    pub rise_time_s: Option<f64>,
+}
+
+impl DesignResult {
+    /// The answer that a controller file holds.
+    pub fn of(controller: &Controller) -> DesignResult {
+        let (design, certificate) = (&controller.design, &controller.certificate);
+        DesignResult {
+            solvable: true,
+            continuous: certificate.continuous.clone(),
+            controller_order: controller.order,
+            period_s: controller.period_s,
+            reference_model: ReferenceModel {
+                num: design.reference_num.clone(),
+                den: design.reference_den.clone(),
+                rise_time_s: design.rise_time_s,
+            },
+            uncertainty: RationalCoefficients {
+                num: design.uncertainty_num.clone(),
+                den: design.uncertainty_den.clone(),
+            },
+            v_res_v: certificate.v_res_v,
+            stationary_error_rad: certificate.stationary_error_rad,
+            sampled: certificate.sampled.clone(),
+        }
+    }
+}
+
+/// `flexbeam design --robust-only`, and any design to which the answer is no.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SolvabilityResult {
+    /// Whether (22) is solvable.
+    pub solvable: bool,
+    /// Largest perturbation, in units of the uncertainty, that some controller survives; null when nothing is unstable.
+    pub robust_radius: Extended,
+    /// beta that was asked for [1/s].
+    pub stability_degree: f64,
+    /// The sampled problem, where it was posed.
+    pub sampled: Option<SampledRadius>,
+    /// Why not, and what would make it solvable; null when it is.
+    pub reason: Option<String>,
+}
+
+/// The sampled problem's radius.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SampledRadius {
+    /// As in [`SolvabilityResult`].
+    pub robust_radius: Extended,
+}
+
+/// `flexbeam simulate`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SimulateResult {
+    /// Size of the step [rad].
+    pub step_rad: f64,
+    /// Law that was in force.
+    pub law: crate::settings::Law,
+    /// Seed of the sensor noise.
+    pub seed: u64,
+    /// Time after which the tip stays within 2 % [s]; null when it does not.
+    pub settling_time_s: Option<f64>,
+    /// Overshoot [percent of the step].
+    pub overshoot_percent: f64,
+    /// Mean error at the end [rad].
+    pub stationary_error_rad: f64,
+    /// Swing of the deflection that remains at the end [rad].
+    pub residual_vibration_rad: f64,
+    /// Largest magnitude of the voltage [V].
+    pub peak_voltage_v: f64,
+    /// Whether the loop keeps swinging.
+    pub limit_cycle: bool,
+    /// The kernel's fault, if the rig was stopped.
+    pub fault: Option<String>,
+    /// Files that were written.
+    pub files: Vec<String>,
+}
+
+/// `flexbeam verify`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VerifyResult {
+    /// Whether every figure agrees and every demand is met.
+    pub verified: bool,
+    /// Each figure of the continuous loop beside the one that the certificate claims.
+    #[serde(flatten)]
+    pub continuous: BTreeMap<String, Figure>,
+    /// The same for the sampled loop.
+    pub sampled: BTreeMap<String, Figure>,
+    /// The loop around the exact distributed beam, where it was asked for.
+    pub distributed_beam: Option<DistributedBeam>,
+    /// Runs on the simulated rig, where they were asked for.
+    pub monte_carlo: Option<MonteCarlo>,
+    /// A sentence for each thing that does not hold.
+    pub failures: Vec<String>,
+}
+
+/// A figure of the certificate, claimed and found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Figure {
+    /// What the certificate says; null for infinity.
+    pub claimed: Extended,
+    /// What was found by another formula; null for infinity.
+    pub found: Extended,
+    /// Whether the two agree.
+    pub agrees: bool,
+}
+
+/// The loop around the exact distributed beam.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DistributedBeam {
+    /// Whether the loop is stable, by a Nyquist count on the exact response.
+    pub stable: bool,
+    /// Stability degree that the count confirms [1/s].
+    pub stability_degree: Option<f64>,
+    /// sup |dG/alpha| on the shifted line, below 1 where the uncertainty covers the beam.
+    pub covered: Option<f64>,
+}
+
+/// Runs on the simulated rig with drawn parameters and noise.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MonteCarlo {
+    /// Number of runs.
+    pub runs: usize,
+    /// Seed of the first draw.
+    pub seed: u64,
+    /// Runs that were stopped by a fault or did not stay bounded.
+    pub unstable: usize,
+    /// Runs that ended in a limit cycle.
+    pub limit_cycles: usize,
+    /// Stationary error over the runs [rad].
+    pub stationary_error_rad: Spread,
+    /// Settling time over the runs that settled [s]; null when none did.
+    pub settling_time_s: Option<Spread>,
+}
+
+/// A figure over many runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// Half of the runs lie below.
+    pub median: f64,
+    /// 95 % of the runs lie below.
+    pub p95: f64,
+    /// The largest.
+    pub max: f64,
+}
