@@ -11,6 +11,7 @@ mod draw;
 pub mod equilibration;
 mod error;
 pub mod generalised;
+pub mod gramian;
 pub mod hankel;
 pub mod logarithm;
 pub mod norm;

@@ -3,11 +3,10 @@
 //! Enters: a stable system and an order. Leaves: a system of that order, and how far it may be off.
 //! Deliberately absent: frequency weights, unstable systems (take the stable part first).
 
-use crate::hankel::gramian_factors;
-use crate::split::expect_stable;
+use crate::gramian::{controllability_factor, observability_factor};
 use crate::{Error, Mat, StateSpace};
 
-/// Hankel singular values below this part of the largest are rounding of the Gramians: their states cannot be kept.
+/// Hankel singular values below this part of the largest are rounding: their states cannot be kept.
 const MINIMAL: f64 = f64::EPSILON;
 
 /// A system of lower order.
@@ -24,18 +23,17 @@ pub struct Reduced {
 /// The `order` states that carry most from input to output.
 ///
 /// Errors: [`Error::WrongSide`], [`Error::BoundaryPole`] for a pole that is not stable; [`Error::Order`] when the system has fewer
-/// states, or fewer that differ from rounding; those of `lyapunov`.
-/// Numerics: square-root method, no balancing of the whole; O(n^3). Values known to sqrt(eps) of the largest.
+/// states, or fewer that differ from rounding; those of [`controllability_factor`].
+/// Numerics: square-root method, no balancing of the whole; O(n^3).
 /// Source: Tombs and Postlethwaite 1987; Enns 1984 and Glover 1984 for the bound; Al-Saggaf and Franklin 1987 in sampled time.
 pub fn balanced_truncation(G: &StateSpace, order: usize) -> Result<Reduced, Error> {
-    expect_stable(G)?;
+    let (L_P, L_Q) = (controllability_factor(G)?, observability_factor(G)?);
     if order > G.order() {
         return Err(Error::Order { asked: order, available: G.order() });
     }
     if G.order() == 0 {
         return Ok(Reduced { system: G.clone(), singular_values: Vec::new(), bound: 0.0 });
     }
-    let (L_P, L_Q) = gramian_factors(G)?;
     let svd = L_Q.tr_mul(&L_P).svd(true, true);
     let singular_values: Vec<f64> = svd.singular_values.iter().copied().collect();
     expect_kept(&singular_values, order)?;

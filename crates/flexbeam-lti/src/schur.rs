@@ -4,6 +4,7 @@
 //! Deliberately absent: eigenvectors, the generalised problem.
 
 mod balance;
+mod complex;
 mod francis;
 mod rotation;
 mod swap;
@@ -12,6 +13,7 @@ use crate::state_space::{expect_finite, expect_shape};
 use crate::{C64, Error, Mat};
 
 pub use balance::balanced;
+pub(crate) use complex::complex_schur;
 
 /// A = Q T Q' with chosen eigenvalues first.
 #[derive(Clone, Debug, PartialEq)]
