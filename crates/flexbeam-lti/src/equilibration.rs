@@ -11,7 +11,7 @@ const WORTHWHILE: f64 = 0.95;
 /// Source: James, Langou & Lowery 2014 (norm 2, as for eigenvalues), with B and C taken along.
 pub fn equilibrated(system: &StateSpace) -> StateSpace {
     let mut G = system.clone();
-    while (0..G.order()).fold(false, |changed, i| rescale(&mut G, i) || changed) {}
+    while (0..G.order()).filter(|&i| rescale(&mut G, i)).count() > 0 {}
     G
 }
 

@@ -67,6 +67,12 @@ pub enum Error {
         /// The pole found.
         found: C64,
     },
+    /// A sampled system that no continuous one has become.
+    #[error("poles {poles:?} on the closed negative real axis: no continuous system has these samples")]
+    NoContinuousEquivalent {
+        /// The poles there; 0 is a delay.
+        poles: Vec<f64>,
+    },
     /// Feedback whose algebraic loop has no solution.
     #[error("I + D_K D_G is singular (reciprocal condition {reciprocal_condition:.1e}): the loop is not well posed")]
     AlgebraicLoop {

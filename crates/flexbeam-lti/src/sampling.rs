@@ -2,7 +2,10 @@
 //!
 //! Enters: systems. Leaves: systems on another time axis. Absent: anti-aliasing filters, which belong to the rig.
 
+use crate::blocks::blocks;
+use crate::equilibration::equilibrated;
 use crate::exponential::exponential_minus_identity;
+use crate::logarithm::logarithm;
 use crate::{Error, Mat, StateSpace, Time};
 
 /// A delay within this fraction of a whole number of periods is that number: the rounding of `0.003 / 0.001`, or of a
@@ -40,6 +43,35 @@ pub fn zoh_with_delay(system: &StateSpace, period_s: f64, delay_s: f64) -> Resul
     let Gamma_early = &late.Phi * early.Gamma;
     let terms = [(periods, late.Gamma), (periods + 1, Gamma_early)];
     behind_past_inputs(Hold::new(system, period_s).Phi, &terms, (periods + 1, &system.D), &system.C, period_s)
+}
+
+/// The continuous system whose zero-order hold equivalent is the given one, with poles in |Im s| < pi/Ts.
+///
+/// Shapes: as the given system.
+/// Errors: [`Error::WrongTime`] for a continuous system; [`Error::NoContinuousEquivalent`] names all poles on the closed
+/// negative real axis: such a pole is no e^(p Ts) with real p, and one at 0 is a delay (remove it first);
+/// [`Error::NotConverged`].
+/// Numerics: logarithm of [Phi Gamma; 0 I]. What sampling has lost, the logarithm cannot bring back: the error is that of
+/// the entries over Ts.
+/// Source: DESIGN section 5; Higham 2008, section 2.3, for the logarithm.
+pub fn inverse_zoh(system: &StateSpace) -> Result<StateSpace, Error> {
+    let period_s = expect_sampled("the inverse of the zero-order hold", system)?;
+    expect_continuous_equivalent(system)?;
+    let (n, m) = (system.order(), system.inputs());
+    let change = &system.A - Mat::identity(n, n);
+    let scale = power_of_two(system.B.norm() / change.norm());
+    let step = blocks(&system.A, &(&system.B / scale), &Mat::zeros(m, n), &Mat::identity(m, m));
+    let L = logarithm(&step)? / period_s;
+    let (A, B) = (L.view((0, 0), (n, n)).into_owned(), L.view((0, n), (n, m)) * scale);
+    StateSpace::new(A, B, system.C.clone(), system.D.clone(), Time::Continuous)
+}
+
+/// No pole at 0 or on the negative real axis.
+fn expect_continuous_equivalent(system: &StateSpace) -> Result<(), Error> {
+    let rounding = f64::EPSILON * system.order() as f64 * equilibrated(system).A.norm();
+    let on_axis = |p: &crate::C64| p.norm() <= rounding || (p.im == 0.0 && p.re < 0.0);
+    let poles: Vec<f64> = system.poles().iter().filter(|p| on_axis(p)).map(|p| p.re).collect();
+    if poles.is_empty() { Ok(()) } else { Err(Error::NoContinuousEquivalent { poles }) }
 }
 
 /// The system in the w-plane: z = (1 + w Ts/2)/(1 - w Ts/2), w = (2/Ts)(z - 1)/(z + 1).
@@ -93,7 +125,8 @@ struct Hold {
 impl Hold {
     fn new(system: &StateSpace, t_s: f64) -> Hold {
         let (n, m) = (system.order(), system.inputs());
-        let scale = input_scale(system);
+        // Gamma is linear in B: a large B alone would ask for more halvings.
+        let scale = power_of_two(system.B.norm() / system.A.norm());
         let mut M = Mat::zeros(n + m, n + m);
         M.view_mut((0, 0), (n, n)).copy_from(&(&system.A * t_s));
         M.view_mut((0, n), (n, m)).copy_from(&(&system.B * (t_s / scale)));
@@ -102,10 +135,9 @@ impl Hold {
     }
 }
 
-/// Power of two that brings B to the size of A: Gamma is linear in B, and a large B alone would ask for more halvings.
-fn input_scale(system: &StateSpace) -> f64 {
-    let ratio = system.B.norm() / system.A.norm();
-    if ratio.is_normal() { ratio.log2().round().exp2() } else { 1.0 }
+/// The power of two next to x; 1 where there is none.
+fn power_of_two(x: f64) -> f64 {
+    if x.is_normal() { x.log2().round().exp2() } else { 1.0 }
 }
 
 /// delay = periods * Ts + rest, 0 <= rest < Ts.

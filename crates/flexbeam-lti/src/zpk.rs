@@ -4,11 +4,18 @@
 
 use crate::connections::series;
 use crate::equilibration::equilibrated;
-use crate::{C64, Error, Mat, StateSpace, Time};
+use crate::state_space::expect_shape;
+use crate::zeros::{invariant_zeros, normal_rank};
+use crate::{C64, CMat, Error, Mat, StateSpace, Time};
 
 /// Two roots within this relative distance of conjugates are a pair, and one within it of the real axis is real: what a
 /// text file or an eigenvalue routine leaves of exact conjugates.
 const CONJUGATE: f64 = 1e-10;
+
+/// Points tried for the gain: circles, relative to the root of largest modulus, ..
+const RADII: [f64; 7] = [0.01, 0.05, 0.2, 0.5, 0.9, 1.4, 3.0];
+/// .. and directions on them.
+const ANGLES_RAD: [f64; 4] = [0.0, 0.7, 1.3, 2.2];
 
 /// gain (s - z1)(s - z2).. / ((s - p1)(s - p2)..)
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +29,34 @@ pub struct Zpk {
 }
 
 impl Zpk {
+    /// Zeros, poles and gain of a system with one input and one output; hidden modes appear in zeros and poles alike.
+    ///
+    /// Errors: [`Error::Shape`] for other sizes, [`Error::NotConverged`].
+    /// Numerics: zeros by [`invariant_zeros`]; the gain from G(s) at the point where it is least sensitive to rounding.
+    pub fn from_state_space(system: &StateSpace) -> Result<Zpk, Error> {
+        expect_shape("zeros, poles and gain: D", &system.D, 1, 1)?;
+        let poles = system.poles();
+        if normal_rank(system) == 0 {
+            return Ok(Zpk { zeros: Vec::new(), poles, gain: 0.0 });
+        }
+        let unit = Zpk { zeros: invariant_zeros(system)?, poles, gain: 1.0 };
+        let gain = unit.gain_of(&equilibrated(system));
+        Ok(Zpk { gain, ..unit })
+    }
+
+    /// Re G(s) / self(s) at the best of some points between the roots.
+    fn gain_of(&self, system: &StateSpace) -> f64 {
+        let roots = || self.zeros.iter().chain(&self.poles);
+        let largest = Some(roots().map(|r| r.norm()).fold(0.0, f64::max)).filter(|r| *r > 0.0).unwrap_or(1.0);
+        let points = RADII.iter().flat_map(|radius| ANGLES_RAD.map(|angle| C64::from_polar(radius * largest, angle)));
+        // The roots themselves are known to rounding of the largest.
+        let nearness = |s: C64| -> f64 { roots().map(|r| largest / (s - r).norm()).sum() };
+        let tries =
+            points.filter_map(|s| value_and_cancellation(system, s).map(|(G, lost)| (s, G, lost + nearness(s))));
+        let best = tries.min_by(|a, b| a.2.total_cmp(&b.2));
+        best.map_or(0.0, |(s, G, _)| (G / self.at(s)).re)
+    }
+
     /// The function's value; infinite at a pole.
     pub fn at(&self, s: C64) -> C64 {
         if self.gain != 0.0 && self.poles.contains(&s) {
@@ -31,6 +66,12 @@ impl Zpk {
         let factor = |roots: &[C64], k: usize| roots.get(k).map_or(C64::ONE, |r| s - r);
         let count = self.zeros.len().max(self.poles.len());
         (0..count).fold(C64::from(self.gain), |x, k| x * factor(&self.zeros, k) / factor(&self.poles, k))
+    }
+
+    /// G'(s)/G(s), the sum of 1/(s - z) over the zeros less that over the poles; infinite at either.
+    pub fn logarithmic_derivative(&self, s: C64) -> C64 {
+        let sum = |roots: &[C64]| roots.iter().map(|r| (s - r).inv()).sum::<C64>();
+        sum(&self.zeros) - sum(&self.poles)
     }
 
     /// A real state space with this function: sections of first and second order in a row.
@@ -49,6 +90,21 @@ impl Zpk {
         }
         Ok(equilibrated(&system))
     }
+}
+
+/// G(s), and how much larger its terms are than itself.
+fn value_and_cancellation(system: &StateSpace, s: C64) -> Option<(C64, f64)> {
+    let (n, D) = (system.order(), system.D[0]);
+    let (mut G, mut terms) = (C64::from(D), D.abs());
+    if n > 0 {
+        let pencil = CMat::from_diagonal_element(n, n, s) - system.A.map(C64::from);
+        let X = pencil.lu().solve(&system.B.map(C64::from))?;
+        for (c, x) in system.C.iter().zip(X.iter()) {
+            G += x * *c;
+            terms += x.norm() * c.abs();
+        }
+    }
+    Some((G, terms / G.norm())).filter(|(_, lost)| lost.is_finite())
 }
 
 /// Real roots, and one of each conjugate pair: the one above the axis.

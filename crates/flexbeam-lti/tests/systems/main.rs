@@ -7,5 +7,7 @@ mod connections;
 mod generalised;
 mod plants;
 mod rational;
+mod response;
 mod sampling;
 mod simulation;
+mod zeros;

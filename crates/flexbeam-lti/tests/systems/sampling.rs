@@ -1,6 +1,6 @@
 use crate::plants::{Noise, distance, flexible_link, modes, relative, tip_angle};
 use flexbeam_lti::exponential::{exponential, exponential_minus_identity};
-use flexbeam_lti::sampling::{from_w, to_w, zoh, zoh_with_delay};
+use flexbeam_lti::sampling::{from_w, inverse_zoh, to_w, zoh, zoh_with_delay};
 use flexbeam_lti::simulation::simulate;
 use flexbeam_lti::{C64, Error, Mat, StateSpace, Time, Vector};
 
@@ -17,11 +17,10 @@ fn every_entry_of_18_sampled_at_1_ms_is_right_to_the_last_digits() {
     ];
     let Gamma = [0.0000526723546564061111, -0.0000526705659047451928, 0.104332090703010405, -0.104324956354563412];
     let sampled = zoh(&tip_angle(), MS).unwrap();
-    for i in 0..4 {
-        for j in 0..4 {
-            assert!((sampled.A[(i, j)] - Phi[i][j]).abs() <= 4e-16 * Phi[i][j].abs(), "Phi {i} {j}");
-        }
-        assert!((sampled.B[i] - Gamma[i]).abs() <= 4e-16 * Gamma[i].abs(), "Gamma {i}");
+    let close = |found: f64, wanted: f64| (found - wanted).abs() <= 4e-16 * wanted.abs();
+    for (i, row) in Phi.iter().enumerate() {
+        assert!(row.iter().enumerate().all(|(j, phi)| close(sampled.A[(i, j)], *phi)), "Phi, row {i}");
+        assert!(close(sampled.B[i], Gamma[i]), "Gamma {i}");
     }
     assert_eq!(sampled.time, Time::Sampled { period_s: MS });
 }
@@ -164,4 +163,43 @@ fn exponential_of_a_rotation_and_of_fast_modes() {
         let wanted = (-0.01 * w * 0.1).exp() * (damped * 0.1).sin() / damped;
         assert!((Phi[(2 * k, 2 * k + 1)] - wanted).abs() < 1e-13 / w, "{w}");
     }
+}
+
+#[test]
+fn the_inverse_of_sampling_returns_18() {
+    for period_s in [1e-4, 1e-3, 1e-2, 0.05] {
+        let G = flexible_link([1.0, 0.0, 0.0, 0.0]);
+        let back = inverse_zoh(&zoh(&G, period_s).unwrap()).unwrap();
+        assert!((&back.A - &G.A).norm() < 1e-11 * G.A.norm(), "{period_s}");
+        assert!((&back.B - &G.B).norm() < 1e-11 * G.B.norm(), "{period_s}");
+        assert_eq!(back.time, Time::Continuous);
+    }
+}
+
+#[test]
+fn the_inverse_of_sampling_keeps_the_samples_of_any_system_with_slow_modes() {
+    let mut noise = Noise(4);
+    for (n, l, m) in [(0, 1, 1), (1, 1, 2), (5, 2, 3), (9, 1, 1)] {
+        let G = noise.system(n, l, m, Time::Continuous);
+        let sampled = zoh(&G, 0.2).unwrap();
+        let again = zoh(&inverse_zoh(&sampled).unwrap(), 0.2).unwrap();
+        assert!((&again.A - &sampled.A).norm() <= 1e-13 * sampled.A.norm());
+        assert!((&again.B - &sampled.B).norm() <= 1e-13 * sampled.B.norm());
+        let s = noise.point();
+        assert!(relative(&inverse_zoh(&sampled).unwrap().at(s), &G.at(s)) < 1e-11);
+    }
+}
+
+#[test]
+fn poles_without_continuous_counterpart_are_named() {
+    let A = Mat::from_row_slice(3, 3, &[-0.5, 1.0, 0.0, 0.0, 0.9, 0.0, 0.0, 0.0, -0.25]);
+    let time = Time::Sampled { period_s: 1.0 };
+    let G =
+        StateSpace::new(A, Mat::from_element(3, 1, 1.0), Mat::from_element(1, 3, 1.0), Mat::zeros(1, 1), time).unwrap();
+    let Err(Error::NoContinuousEquivalent { mut poles }) = inverse_zoh(&G) else { panic!("accepted") };
+    poles.sort_by(f64::total_cmp);
+    assert!((poles[0] + 0.5).abs() < 1e-15 && (poles[1] + 0.25).abs() < 1e-15 && poles.len() == 2);
+    let delayed = zoh_with_delay(&tip_angle(), MS, MS).unwrap();
+    assert_eq!(inverse_zoh(&delayed).unwrap_err(), Error::NoContinuousEquivalent { poles: vec![0.0] });
+    assert!(matches!(inverse_zoh(&tip_angle()), Err(Error::WrongTime { .. })));
 }
