@@ -1,0 +1,127 @@
+//! A low-order alpha(s) that lies everywhere above a given difference |dG(jw - beta)|.
+//!
+//! Enters: the difference as a function of frequency. Leaves: alpha(s) = a (s/z + 1)/(s/p + 1), z <= p, as small as it can be
+//! in the mean over the band, checked between the fitting points.
+
+use flexbeam_lti::{C64, Zpk};
+
+use crate::{Error, Uncertainty};
+
+/// An alpha that covers a difference.
+#[derive(Clone, Debug)]
+pub struct Cover {
+    /// alpha(s).
+    pub uncertainty: Uncertainty,
+    /// Largest ratio of the difference to alpha that the check between the fitting points found; below one.
+    pub closest: f64,
+    /// Where it was found [rad/s].
+    pub closest_rad_s: f64,
+}
+
+/// Fitting points over the band; the check uses twice as many, between them.
+const POINTS: usize = 4000;
+
+/// alpha stands above the difference by this factor: a difference computed from an identified model moves by some percent.
+const RESERVE: f64 = 1.1;
+
+/// The smallest lead alpha(s) above `difference` [rad/V] on the band from `lowest_rad_s` to `highest_rad_s`.
+///
+/// The band should reach from below the slowest to above the fastest dynamics that were neglected: outside it alpha is flat,
+/// and the difference is taken to fall. alpha does not roll off, so that the control sensitivity F/alpha does not grow at
+/// high frequency, where the sensors' noise is.
+///
+/// Errors: [`Error::DifferenceNotFinite`].
+/// Numerics: peaks are refined by golden section; the fit minimises the mean of ln alpha over the band by a pattern search in
+/// (ln z, ln p), the gain following from the largest ratio.
+pub fn cover(difference: impl Fn(f64) -> f64, lowest_rad_s: f64, highest_rad_s: f64) -> Result<Cover, Error> {
+    let grid = |count: usize, offset: f64| {
+        let ratio = highest_rad_s / lowest_rad_s;
+        (0..count).map(move |k| lowest_rad_s * ratio.powf((k as f64 + offset) / count as f64)).collect::<Vec<f64>>()
+    };
+    let fitting = samples_with_peaks(&grid(POINTS, 0.0), &difference);
+    if let Some((omega_rad_s, value)) = fitting.iter().copied().find(|(_, value)| !value.is_finite()) {
+        return Err(Error::DifferenceNotFinite { omega_rad_s, value });
+    }
+    let lead = pattern_search(&fitting);
+    let ratio = |omega: f64| difference(omega) / lead.magnitude(omega);
+    let checked = samples_with_peaks(&grid(2 * POINTS, 0.25), &ratio);
+    let (closest_rad_s, largest) = checked.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("a grid has points");
+    let gain = RESERVE * largest;
+    Ok(Cover { uncertainty: lead.with_gain(gain)?, closest: largest / gain, closest_rad_s })
+}
+
+/// (s/z + 1)/(s/p + 1).
+#[derive(Clone, Copy)]
+struct Lead {
+    z: f64,
+    p: f64,
+}
+
+impl Lead {
+    fn magnitude(self, omega: f64) -> f64 {
+        (omega / self.z).hypot(1.0) / (omega / self.p).hypot(1.0)
+    }
+
+    fn with_gain(self, gain: f64) -> Result<Uncertainty, Error> {
+        let (zeros, poles) = (vec![C64::new(-self.z, 0.0)], vec![C64::new(-self.p, 0.0)]);
+        Uncertainty::new(Zpk { zeros, poles, gain: gain * self.p / self.z })
+    }
+
+    /// Mean of ln alpha over the points when the gain is as small as they permit.
+    fn cost(self, samples: &[(f64, f64)]) -> f64 {
+        let (mut largest, mut sum) = (f64::NEG_INFINITY, 0.0);
+        for (omega, value) in samples {
+            let shape = self.magnitude(*omega).ln();
+            largest = largest.max(value.ln() - shape);
+            sum += shape;
+        }
+        largest + sum / samples.len() as f64
+    }
+}
+
+/// Steps in (ln z, ln p), halved whenever none of the eight neighbours is better.
+fn pattern_search(samples: &[(f64, f64)]) -> Lead {
+    let (lowest, highest) = (samples[0].0, samples[samples.len() - 1].0);
+    let middle = (lowest * highest).sqrt();
+    let mut best = Lead { z: middle, p: middle };
+    let mut cost = best.cost(samples);
+    let mut step = 1.0_f64;
+    while step > 1e-3 {
+        let neighbours = (0..9).map(|k| (step * (f64::from(k % 3) - 1.0), step * (f64::from(k / 3) - 1.0)));
+        let candidates = neighbours
+            .map(|(dz, dp)| Lead { z: best.z * dz.exp(), p: best.p * dp.exp() })
+            .filter(|lead| lead.z <= lead.p && lead.z >= lowest && lead.p <= highest);
+        let better = candidates.map(|lead| (lead.cost(samples), lead)).min_by(|a, b| a.0.total_cmp(&b.0));
+        match better {
+            Some((c, lead)) if c < cost => (cost, best) = (c, lead),
+            _ => step *= 0.5,
+        }
+    }
+    best
+}
+
+/// Values on the grid, and at each local maximum between its neighbours.
+fn samples_with_peaks(grid: &[f64], f: &impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+    let mut samples: Vec<(f64, f64)> = grid.iter().map(|omega| (*omega, f(*omega))).collect();
+    let peaks: Vec<(f64, f64)> = samples
+        .windows(3)
+        .filter(|w| w[1].1 >= w[0].1 && w[1].1 >= w[2].1)
+        .map(|w| {
+            let omega = golden_maximum(w[0].0, w[2].0, f);
+            (omega, f(omega))
+        })
+        .collect();
+    samples.extend(peaks);
+    samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+    samples
+}
+
+/// Golden-section search for a maximum between a and b.
+fn golden_maximum(mut a: f64, mut b: f64, f: &impl Fn(f64) -> f64) -> f64 {
+    const SECTION: f64 = 0.618_033_988_749_894_8;
+    while b - a > 1e-10 * b {
+        let (left, right) = (b - SECTION * (b - a), a + SECTION * (b - a));
+        if f(left) >= f(right) { b = right } else { a = left }
+    }
+    0.5 * (a + b)
+}

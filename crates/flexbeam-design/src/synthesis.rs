@@ -1,0 +1,206 @@
+//! The design from end to end.
+
+use flexbeam_lti::{Mat, StateSpace, Time, connections, sampling};
+
+use crate::closed_loop::LoopFigures;
+use crate::feedback::Feedback;
+use crate::half_plane::HalfPlane;
+use crate::radius::{conditions, robust_radius};
+use crate::reference::{Prefilter, Reference, prefilter};
+use crate::solvability::{Unsolvable, largest_beta, largest_stiffness};
+use crate::stiffness::{Stiffness, conditions_with_stiffness, integrator, stiffness_of};
+use crate::{Error, Interpolant, Uncertainty};
+
+/// What the design is asked for.
+#[derive(Clone, Debug)]
+pub struct Specification {
+    /// beta [1/s]: every closed-loop pole shall have real part below -beta.
+    pub stability_degree: f64,
+    /// alpha(s) of (19), in the shifted plane [rad/V].
+    pub uncertainty: Uncertainty,
+    /// What the feedback does against constant disturbances.
+    pub stiffness: Stiffness,
+    /// What the tip does on a command.
+    pub reference: Reference,
+    /// Sample period [s].
+    pub period_s: f64,
+    /// Time from a measurement to the voltage that answers it [s]; one period on a rig that writes at the next tick.
+    pub delay_s: f64,
+    /// Coefficient a of the measurement's low-pass filter y_f += a (y - y_f); 1 passes everything.
+    pub low_pass: f64,
+}
+
+/// A controller with the figures that certify it.
+#[derive(Clone, Debug)]
+pub struct Design {
+    /// Radius of the continuous problem.
+    pub robust_radius: Option<f64>,
+    /// The continuous loop, beside.
+    pub continuous: LoopFigures,
+    /// Radius of the sampled problem, delay and filter included.
+    pub sampled_radius: Option<f64>,
+    /// The sampled loop with its exact delay: what runs.
+    pub sampled: LoopFigures,
+    /// The bound in the w-plane, in which `sampled.bound_norm` is taken.
+    pub sampled_uncertainty: Uncertainty,
+    /// Inputs (v, y, u_applied), outputs (u, M v), sampled: what the kernel steps.
+    pub controller: StateSpace,
+    /// Reference model and the voltage it takes.
+    pub prefilter: Prefilter,
+}
+
+/// A design, or the reason why there is none.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// There is a controller.
+    Solved(Box<Design>),
+    /// There is none.
+    Unsolvable(Unsolvable),
+}
+
+/// Nominal plant and specification to a certified sampled controller.
+///
+/// Shapes: `nominal` is V -> psi, one input, one output, continuous, D = 0.
+/// Errors: see [`Error`]; "no controller exists" is [`Outcome::Unsolvable`], not an error.
+/// Numerics: eigenvalues of matrices of at most twice the loop's order; every figure is computed from the loop built
+/// explicitly, not from the formulas that designed it.
+/// Source: (19)-(27), DESIGN section 6.
+pub fn design(nominal: &StateSpace, specification: &Specification) -> Result<Outcome, Error> {
+    expect_nominal(nominal)?;
+    expect_positive("stability degree beta [1/s]", specification.stability_degree, true)?;
+    expect_positive("period [s]", specification.period_s, false)?;
+    let (beta, alpha) = (specification.stability_degree, &specification.uncertainty);
+    let continuous = match stabilise(nominal, beta, alpha, specification.stiffness)? {
+        Ok(stabilised) => stabilised,
+        Err(reason) => return Ok(Outcome::Unsolvable(reason)),
+    };
+    let plant = sampled_plant(nominal, specification)?; // DESIGN 6.6
+    let alpha_w = alpha.in_w_plane(specification.period_s);
+    let sampled = match stabilise(&plant, beta, &alpha_w, specification.stiffness)? {
+        Ok(stabilised) => stabilised,
+        Err(reason) => return Ok(Outcome::Unsolvable(reason)),
+    };
+    let relative_degree = relative_degree(nominal)?;
+    let prefilter = prefilter(&plant, &sampled.feedback, relative_degree, beta, &specification.reference)?; // (24), (27)
+    Ok(Outcome::Solved(Box::new(Design {
+        robust_radius: continuous.radius,
+        continuous: LoopFigures::of(nominal, &continuous.feedback.controller(), beta, alpha)?,
+        sampled_radius: sampled.radius,
+        sampled: LoopFigures::of(&plant, &sampled.feedback.controller(), beta, &alpha_w)?,
+        sampled_uncertainty: alpha_w,
+        controller: controller(&sampled.feedback, &prefilter)?,
+        prefilter,
+    })))
+}
+
+/// The plant as the sampled controller meets it: zero-order hold, delay, measurement filter.
+pub fn sampled_plant(nominal: &StateSpace, specification: &Specification) -> Result<StateSpace, Error> {
+    let period_s = specification.period_s;
+    let plant = sampling::zoh_with_delay(nominal, period_s, specification.delay_s)?;
+    let a = specification.low_pass;
+    if a == 1.0 {
+        return Ok(plant);
+    }
+    if !(a > 0.0 && a < 1.0) {
+        return Err(Error::Setting { name: "low-pass coefficient", value: a, needed: "above 0, at most 1" });
+    }
+    let one = |x: f64| Mat::from_element(1, 1, x);
+    let time = Time::Sampled { period_s };
+    let filter = StateSpace::new(one(1.0 - a), one(a), one(1.0 - a), one(a), time)?;
+    Ok(connections::series(&plant, &filter)?)
+}
+
+struct Stabilised {
+    radius: Option<f64>,
+    feedback: Feedback,
+}
+
+/// Solves (22) for one plant, continuous or sampled.
+fn stabilise(
+    plant: &StateSpace,
+    beta: f64,
+    alpha: &Uncertainty,
+    stiffness: Stiffness,
+) -> Result<Result<Stabilised, Unsolvable>, Error> {
+    let shifted = HalfPlane::new(plant, beta)?;
+    let radius = robust_radius(&shifted, alpha)?;
+    if let Some(radius) = radius.filter(|radius| *radius < 1.0) {
+        let (period_s, largest_beta) = match plant.time {
+            Time::Continuous => (None, largest_beta(plant, beta, alpha)),
+            Time::Sampled { period_s } => (Some(period_s), None),
+        };
+        return Ok(Err(Unsolvable::Radius { radius, largest_beta, period_s }));
+    }
+    let interpolant = match interpolant(&shifted, alpha, stiffness)? {
+        Ok(interpolant) => interpolant,
+        Err(reason) => return Ok(Err(reason)),
+    };
+    let feedback = Feedback::new(&shifted, alpha, &interpolant)?;
+    Ok(Ok(Stabilised { radius, feedback }))
+}
+
+/// The interpolant of smallest norm where that is stiff enough, else the central one with the stiffness asked for.
+fn interpolant(
+    plant: &HalfPlane,
+    alpha: &Uncertainty,
+    stiffness: Stiffness,
+) -> Result<Result<Interpolant, Unsolvable>, Error> {
+    let softest = conditions(plant, alpha)?.optimal()?;
+    let Some(requested) = stiffness.requested() else { return Ok(Ok(softest)) };
+    let softest_stiffness = stiffness_of(plant, alpha, &softest, requested)?;
+    if matches!(stiffness, Stiffness::AtLeast(_)) && softest_stiffness >= requested {
+        return Ok(Ok(softest));
+    }
+    let stiff = conditions_with_stiffness(plant, alpha, requested)?;
+    let level = stiff.optimal()?.norm;
+    if level < 1.0 {
+        return Ok(Ok(stiff.central(integrator(plant, requested)?.0)?));
+    }
+    let largest_v_per_rad = largest_stiffness(plant, alpha, softest_stiffness, requested)?;
+    Ok(Err(Unsolvable::Stiffness { requested_v_per_rad: requested, level, largest_v_per_rad }))
+}
+
+/// Feedback filters and prefilter side by side: inputs (v, y, u_applied), outputs (u, M v).
+fn controller(feedback: &Feedback, prefilter: &Prefilter) -> Result<StateSpace, Error> {
+    let (f, p) = (&feedback.filters, &prefilter.system);
+    let (n, m) = (f.order(), p.order());
+    let mut A = Mat::zeros(n + m, n + m);
+    A.view_mut((0, 0), (n, n)).copy_from(&f.A);
+    A.view_mut((n, n), (m, m)).copy_from(&p.A);
+    let mut B = Mat::zeros(n + m, 3);
+    B.view_mut((0, 1), (n, 2)).copy_from(&f.B);
+    B.view_mut((n, 0), (m, 1)).copy_from(&p.B);
+    let mut C = Mat::zeros(2, n + m);
+    C.view_mut((0, 0), (1, n)).copy_from(&f.C);
+    C.view_mut((0, n), (2, m)).copy_from(&p.C);
+    let mut D = Mat::zeros(2, 3);
+    D[(0, 1)] = f.D[(0, 0)];
+    D.view_mut((0, 0), (2, 1)).copy_from(&p.D);
+    Ok(StateSpace::new(A, B, C, D, f.time)?)
+}
+
+fn expect_nominal(nominal: &StateSpace) -> Result<(), Error> {
+    let (inputs, outputs) = (nominal.inputs(), nominal.outputs());
+    if (inputs, outputs) != (1, 1) {
+        return Err(Error::NotScalar { inputs, outputs });
+    }
+    if nominal.time != Time::Continuous {
+        return Err(Error::NotContinuous { time: nominal.time });
+    }
+    match nominal.D[(0, 0)] {
+        0.0 => Ok(()),
+        value => Err(Error::Feedthrough { value }),
+    }
+}
+
+fn expect_positive(name: &'static str, value: f64, or_zero: bool) -> Result<(), Error> {
+    let fits = value.is_finite() && (value > 0.0 || or_zero && value == 0.0);
+    let needed = if or_zero { "not negative" } else { "positive" };
+    if fits { Ok(()) } else { Err(Error::Setting { name, value, needed }) }
+}
+
+/// Poles minus zeros.
+fn relative_degree(nominal: &StateSpace) -> Result<usize, Error> {
+    let zeros = flexbeam_lti::zeros::transmission_zeros(nominal)?.len();
+    Ok(nominal.order() - zeros)
+}
