@@ -3,16 +3,11 @@
 //! Enters: A, B, Q, R. Leaves: the stabilising solution and its residual.
 //! Deliberately absent: the discrete equation (sampled designs go through the w-plane), game-theoretic bounds.
 
-use crate::schur::{balanced, ordered_schur, spectrum};
+use crate::schur::{balanced, ordered_schur, spectrum, spectrum_off_line};
 use crate::state_space::{expect_finite, expect_shape};
 use crate::sylvester::{lyapunov, symmetric_part};
 use crate::{C64, CMat, Error, Mat};
 
-/// Rounding of the Schur form, in units of eps times the norm of the Hamiltonian: an eigenvalue whose distance from the axis is
-/// below this times its condition may lie on the axis.
-const ROUNDING: f64 = 16.0;
-/// Eigenvalues farther from the axis than this, relative to the Hamiltonian, cannot be a split double one: 100 sqrt(eps).
-const FAR_FROM_AXIS: f64 = 1.5e-6;
 /// Below this smallest singular value of U11, X is not known to a single digit.
 const SINGULAR: f64 = 1e3 * f64::EPSILON;
 
@@ -182,34 +177,12 @@ impl Equation {
 
 /// Errors: [`Error::AxisEigenvalues`] when an eigenvalue of the Hamiltonian may lie on the axis, by its condition.
 fn expect_no_axis_eigenvalue(H: &Mat) -> Result<(), Error> {
-    let size = H.norm();
-    let eigenvalues = spectrum(H)?;
-    let may_be_on_axis =
-        |p: &C64| p.re.abs() <= FAR_FROM_AXIS * size && p.re.abs() <= ROUNDING * f64::EPSILON * size * condition(H, *p);
+    let (eigenvalues, found) = spectrum_off_line(H, |p| p.re.abs())?;
     let left = eigenvalues.iter().filter(|p| p.re < 0.0).count();
-    let found = eigenvalues.iter().find(|p| may_be_on_axis(p)).copied();
     // An odd division means that two have met on the axis: the nearest is named.
     let nearest = || eigenvalues.iter().min_by(|a, b| a.re.abs().total_cmp(&b.re.abs())).copied();
     let culprit = if 2 * left == eigenvalues.len() { found } else { found.or_else(nearest) };
     culprit.map_or(Ok(()), |p| Err(Error::AxisEigenvalues { omega_rad_s: p.im.abs() }))
-}
-
-/// 1/|y* x| for unit left and right eigenvectors y and x, each by two steps of inverse iteration.
-fn condition(H: &Mat, lambda: C64) -> f64 {
-    let n = H.nrows();
-    // Off the eigenvalue by its own rounding, so that the factor exists.
-    let near = lambda + C64::new(f64::EPSILON * H.norm(), 0.0);
-    let pencil = H.map(C64::from) - CMat::from_diagonal_element(n, n, near);
-    let start = CMat::from_fn(n, 1, |k, _| C64::new(1.0, 0.5 * (k as f64).cos()));
-    let direction = |M: CMat| {
-        let lu = M.lu();
-        let once = lu.solve(&start)?.normalize();
-        Some(lu.solve(&once)?.normalize())
-    };
-    match (direction(pencil.clone()), direction(pencil.adjoint())) {
-        (Some(x), Some(y)) => 1.0 / y.dotc(&x).norm(),
-        _ => f64::INFINITY,
-    }
 }
 
 #[cfg(test)]

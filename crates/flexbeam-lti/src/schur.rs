@@ -5,6 +5,7 @@
 
 mod balance;
 mod complex;
+mod condition;
 mod francis;
 mod rotation;
 mod swap;
@@ -14,6 +15,7 @@ use crate::{C64, Error, Mat};
 
 pub use balance::balanced;
 pub(crate) use complex::complex_schur;
+pub(crate) use condition::spectrum_off_line;
 
 /// A = Q T Q' with chosen eigenvalues first.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,12 +3,9 @@
 //! Enters: a system. Leaves: two systems whose sum it is.
 //! Deliberately absent: products (inner-outer, coprime factors).
 
-use crate::schur::{balanced, ordered_schur, spectrum};
+use crate::schur::{balanced, ordered_schur, spectrum_off_line};
 use crate::sylvester::sylvester;
 use crate::{C64, Error, Mat, StateSpace, Time};
-
-/// A pole this near to the axis, relative to the balanced A (to 1 for the unit circle), is on it: eigenvalues are not known better.
-const ON_BOUNDARY: f64 = 64.0 * f64::EPSILON;
 
 /// G = G_1 + G_2, the poles with `first` in G_1 together with D.
 ///
@@ -52,15 +49,13 @@ pub(crate) fn is_stable(pole: C64, time: Time) -> bool {
 
 /// Errors: [`Error::BoundaryPole`].
 pub(crate) fn expect_no_boundary_pole(G: &StateSpace) -> Result<Vec<C64>, Error> {
-    let poles = spectrum(&G.A)?;
-    let uncertain = ON_BOUNDARY * balanced(&G.A).0.norm();
-    let distance = |p: &C64| match G.time {
+    let distance = |p: C64| match G.time {
         Time::Continuous => p.re.abs(),
         Time::Sampled { .. } => (p.norm() - 1.0).abs(),
     };
-    match poles.iter().find(|p| distance(p) <= uncertain) {
-        Some(p) => Err(Error::BoundaryPole { re: p.re, im: p.im }),
-        None => Ok(poles),
+    match spectrum_off_line(&balanced(&G.A).0, distance)? {
+        (_, Some(p)) => Err(Error::BoundaryPole { re: p.re, im: p.im }),
+        (poles, None) => Ok(poles),
     }
 }
 
@@ -127,6 +122,27 @@ mod tests {
         for (part, omega) in [(slow, 1e-6), (fast, 1e6)] {
             let peak = part.at(C64::new(0.0, omega))[0].norm();
             assert!((peak / 5000.0 - 1.0).abs() < 1e-9, "{peak}");
+        }
+    }
+
+    #[test]
+    fn a_hidden_double_or_triple_integrator_is_on_the_boundary() {
+        for n in 2..=3 {
+            // Rounding moves the eigenvalues off the axis by 1e-8, 1e-5, to both sides.
+            let mut A = Mat::from_diagonal(&crate::Vector::from_fn(5, |i, _| if i < n { 0.0 } else { -(i as f64) }));
+            for i in 1..n {
+                A[(i - 1, i)] = 1.0;
+            }
+            let Q = Draw(22).matrix(5, 5).qr().q();
+            let one = Mat::from_element(5, 1, 1.0);
+            let A = &Q * A * Q.transpose();
+            for (A, time) in [
+                (A.clone(), Time::Continuous),
+                (crate::exponential::exponential(&(A * 0.5)), Time::Sampled { period_s: 0.5 }),
+            ] {
+                let G = StateSpace::new(A, one.clone(), one.transpose(), Mat::zeros(1, 1), time).unwrap();
+                assert!(matches!(stable_antistable(&G), Err(Error::BoundaryPole { .. })), "{n} {time}");
+            }
         }
     }
 
