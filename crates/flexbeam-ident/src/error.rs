@@ -1,5 +1,3 @@
-use flexbeam_lti::C64;
-
 /// Why a recording cannot be turned into a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -132,12 +130,6 @@ pub enum Error {
         voltage_v: f64,
         /// Sample, from 0.
         sample: usize,
-    },
-    /// The model has poles that have no continuous counterpart.
-    #[error("no continuous model: the sampled pole {pole} has no real logarithm")]
-    NoContinuousForm {
-        /// The pole.
-        pole: C64,
     },
     /// A question about the linear system had no answer.
     #[error(transparent)]

@@ -1,6 +1,6 @@
 //! Subspace identification from end to end: recording in, model out.
 
-use flexbeam_lti::{Mat, Signals, StateSpace, Time, Vector};
+use flexbeam_lti::{Mat, Signals, StateSpace, Time, Vector, sampling};
 
 use crate::hankel::factor::{Factor, samples_needed};
 use crate::output_map::input_matrices;
@@ -136,7 +136,7 @@ pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Resul
     let factor = Factor::new(&U_e, &Y_e, i, options.constant_row)?; // (8), (9)
     factor.expect_exciting()?;
     let directions = directions(&factor, options.method.weighting()); // (13), (14)
-    let n = chosen_order(&directions, options.order, i, l)?;
+    let n = chosen_order(&factor, &directions, options.order)?;
     let gamma = subspace::gamma(&directions, n); // (15)
     let time = Time::Sampled { period_s: inputs.period_s };
     let (scaled, initial_state) = system(&factor, &gamma, options.method, &U_e, &Y_e, time)?; // (16), (17)
@@ -149,7 +149,7 @@ pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Resul
     let fit_percent = if s < U.nrows() { Some(fits(s, U.nrows() - s)?) } else { None };
     let model = unscaled(&scaled, &input_scaling, &output_scaling)?;
     Ok(Identified {
-        continuous: Err(flexbeam_lti::Error::Period { period_s: 0.0 }),
+        continuous: sampling::inverse_zoh(&model),
         model,
         initial_state,
         order: n,
@@ -196,20 +196,29 @@ fn unscaled(model: &StateSpace, inputs: &Scaling, outputs: &Scaling) -> Result<S
     Ok(StateSpace::new(A, B, C, D, time)?)
 }
 
-fn chosen_order(directions: &Directions, asked: Order, i: usize, l: usize) -> Result<usize, Error> {
+fn chosen_order(factor: &Factor, directions: &Directions, asked: Order) -> Result<usize, Error> {
     let rank = order::rank(&directions.singular_values);
     if rank == 0 {
         return Err(Error::NoState);
     }
-    let (shift, rank_reason) = (l * (i - 1), "so many singular values stand above rounding");
-    match asked {
-        Order::Auto => Ok(order::automatic(&directions.singular_values).min(shift)),
-        Order::Fixed(order) if order > shift => {
-            Err(Error::Order { order, largest: shift, reason: "the block rows and outputs carry l (i - 1)" })
-        }
-        Order::Fixed(order) if order > rank => Err(Error::Order { order, largest: rank, reason: rank_reason }),
-        Order::Fixed(order) => Ok(order),
+    let shift = factor.l * (factor.i - 1);
+    let order = match asked {
+        Order::Auto => automatic_order(factor).min(shift).min(rank),
+        Order::Fixed(order) => order,
+    };
+    if order > shift {
+        return Err(Error::Order { order, largest: shift, reason: "the shift of Gamma has l (i - 1) rows" });
     }
+    if order > rank {
+        return Err(Error::Order { order, largest: rank, reason: "only so many singular values stand above rounding" });
+    }
+    Ok(order)
+}
+
+/// Always from the MOESP weighting: canonical correlations of noise-free data are all one and have no floor.
+fn automatic_order(factor: &Factor) -> usize {
+    let aspect = factor.l as f64 / (factor.m + factor.l) as f64;
+    order::automatic(&directions(factor, Weighting::Moesp).singular_values, aspect)
 }
 
 fn check(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<(), Error> {

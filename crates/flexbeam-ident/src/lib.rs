@@ -3,13 +3,18 @@
 //! Enters: signals. Leaves: state space models, physical parameters, thresholds, and what they were judged by.
 //! Deliberately absent: controllers, files, the rig itself.
 
+pub mod breakaway;
 mod error;
+pub mod excitation;
 mod hankel;
 pub mod identify;
 mod order;
 mod output_map;
+pub mod physical;
 mod projection;
 mod scaling;
+mod singular;
+pub mod structured;
 mod subspace;
 mod triangle;
 pub mod validate;

@@ -5,6 +5,7 @@
 
 use flexbeam_lti::{Mat, Vector};
 
+use crate::singular::basic_solution;
 use crate::triangle::{CHUNK_ROWS, Triangle};
 
 /// How far a response may grow within a stretch: beyond this, what earlier samples say about x(0) drowns.
@@ -137,18 +138,12 @@ fn stretch(A: &Mat, s: usize) -> usize {
     (limit.min(s as f64) as usize).max(least).min(s.max(1))
 }
 
-/// Solution of least norm of R x = r, R and r the columns of a triangular factor; unknowns scaled to columns of unit norm.
+/// Solution of R x = r, R and r the columns of a triangular factor; unknowns scaled to columns of unit norm.
 fn solved(factor: &Mat) -> Vector {
     let n = factor.ncols() - 1;
     let mut R = factor.columns(0, n).into_owned();
     let norms: Vec<f64> = R.column_iter().map(|c| if c.norm() > 0.0 { c.norm() } else { 1.0 }).collect();
     norms.iter().enumerate().for_each(|(c, norm)| R.column_mut(c).unscale_mut(*norm));
-    if n == 0 {
-        return Vector::zeros(0);
-    }
-    let svd = R.svd(true, true);
-    let floor = svd.singular_values.max() * UNKNOWN_RANK;
-    let mut x = svd.solve(&factor.column(n).into_owned(), floor).expect("both sides were computed");
-    norms.iter().enumerate().for_each(|(c, norm)| x[c] /= norm);
-    x
+    let x = basic_solution(&R, &factor.columns(n, 1).into_owned(), UNKNOWN_RANK);
+    Vector::from_fn(n, |c, _| x[c] / norms[c])
 }

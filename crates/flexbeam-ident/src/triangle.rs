@@ -201,15 +201,21 @@ fn products<const FUSED: bool, const P: usize, const C: usize>(v: [&[f64]; P], a
 #[inline(always)]
 fn subtract<const FUSED: bool, const P: usize, const C: usize>(v: [&[f64]; P], a: [&mut [f64]; C], w: [[f64; P]; C]) {
     let rows = a[0].len();
-    let v = v.map(|x| &x[..rows]);
-    for (c, a) in a.into_iter().enumerate() {
-        let a = &mut a[..rows];
-        for k in 0..rows {
-            let mut x = a[k];
+    let whole = rows - rows % LANES;
+    for k in (0..whole).step_by(LANES) {
+        let vk: [&[f64; LANES]; P] = v.map(|x| x[k..].first_chunk().expect("k + LANES <= rows"));
+        for c in 0..C {
+            let ak: &mut [f64; LANES] = a[c][k..].first_chunk_mut().expect("k + LANES <= rows");
             for p in 0..P {
-                x = fused::<FUSED>(-w[c][p], v[p][k], x);
+                for lane in 0..LANES {
+                    ak[lane] = fused::<FUSED>(-w[c][p], vk[p][lane], ak[lane]);
+                }
             }
-            a[k] = x;
+        }
+    }
+    for c in 0..C {
+        for k in whole..rows {
+            a[c][k] -= (0..P).map(|p| w[c][p] * v[p][k]).sum::<f64>();
         }
     }
 }

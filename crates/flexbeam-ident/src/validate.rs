@@ -33,7 +33,16 @@ impl Validation {
 /// Source: the fit of the DaISy comparisons, initial state of the validation by least squares.
 pub fn validate(model: &StateSpace, U: &Mat, Y: &Mat) -> Result<Validation, Error> {
     let forced = simulate(model, U, &Vector::zeros(model.order()))?;
-    let initial_state = output_map::initial_state(&model.A, &model.C, &(Y - &forced).transpose());
+    let rest = Y - &forced;
+    if !rest.iter().all(|x| x.is_finite()) {
+        let overflow = vec![f64::NEG_INFINITY; Y.nrows()];
+        return Ok(Validation {
+            fit_percent: overflow,
+            initial_state: Vector::zeros(model.order()),
+            simulated: forced,
+        });
+    }
+    let initial_state = output_map::initial_state(&model.A, &model.C, &rest.transpose());
     let simulated = simulate(model, U, &initial_state)?;
     let fit_percent =
         (0..Y.nrows()).map(|p| fit_percent(&Y.row(p).transpose(), &simulated.row(p).transpose())).collect();

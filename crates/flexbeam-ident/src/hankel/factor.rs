@@ -6,6 +6,7 @@
 use flexbeam_lti::Mat;
 
 use crate::Error;
+use crate::singular::rank;
 use crate::triangle::{CHUNK_ROWS, Triangle};
 
 /// H = L Q with H = [1; U_f; U_p; Y_p; Y_f] of 2i block rows; the row of ones only on request, and left out of L again.
@@ -20,8 +21,6 @@ pub(crate) struct Factor {
     pub m: usize,
     /// Outputs l.
     pub l: usize,
-    /// Columns j = s - 2i + 1 of H.
-    pub j: usize,
 }
 
 /// Samples that i block rows of m inputs and l outputs need: as many columns as rows, j >= 2i(m + l).
@@ -58,7 +57,7 @@ impl Factor {
             triangle.absorb(&mut chunk);
         }
         let L = triangle.R.view((ones, ones), (rows.len(), rows.len())).transpose();
-        Ok(Factor { L, i, m, l, j })
+        Ok(Factor { L, i, m, l })
     }
 
     /// Rows of L that hold the inputs of these lags.
@@ -77,9 +76,7 @@ impl Factor {
     /// Errors: [`Error::NotExciting`] when they are not independent.
     pub fn expect_exciting(&self) -> Result<(), Error> {
         let needed = 2 * self.i * self.m;
-        let singular = self.L.view((0, 0), (needed, needed)).into_owned().singular_values();
-        let floor = singular.max() * INPUT_RANK;
-        let rank = singular.iter().filter(|&&x| x > floor).count();
+        let rank = rank(&self.L.view((0, 0), (needed, needed)).into_owned(), INPUT_RANK);
         if rank < needed { Err(Error::NotExciting { rank, needed, block_rows: self.i }) } else { Ok(()) }
     }
 }

@@ -1,0 +1,225 @@
+//! The voltage at which the hub starts to move, both ways, from a slow ramp; and what follows for the variable structure.
+//!
+//! Enters: a recorded ramp ([`crate::excitation::SlowRamp`]). Leaves: breakaway voltages, thresholds, u_p.
+//! Deliberately absent: the simulator's friction constants, which a real rig does not publish.
+
+use crate::Error;
+
+/// One revolution of the load shaft in encoder counts.
+const COUNTS: f64 = 4096.0;
+/// The residual voltage that a stiffness of 7 V/rad turns into 0.15 degree, DESIGN section 6.2.
+const RESIDUAL_V: f64 = 7.0 * STATIONARY_ERROR_RAD;
+/// 0.15 degree.
+const STATIONARY_ERROR_RAD: f64 = 0.15 * std::f64::consts::PI / 180.0;
+/// The switched law sticks when eps_u is below u_p or u_p below the breakaway, crawls when just above, and swings when well above.
+const SWITCHED_MARGIN: f64 = 1.15;
+
+/// When the hub counts as moving.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detection {
+    /// One encoder count [rad], default 2 pi / 4096.
+    pub resolution_rad: f64,
+    /// Counts that the hub must leave its rest by, default 2: one may be a flicker between two counts.
+    pub counts: f64,
+    /// Time that it must stay that far away [s], default 0.1.
+    pub hold_s: f64,
+}
+
+impl Default for Detection {
+    fn default() -> Detection {
+        Detection { resolution_rad: std::f64::consts::TAU / COUNTS, counts: 2.0, hold_s: 0.1 }
+    }
+}
+
+/// Where the hub starts to move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Breakaway {
+    /// Voltage of the last sample at rest on the positive ramp [V], positive.
+    pub plus_v: f64,
+    /// The same on the negative ramp [V], negative.
+    pub minus_v: f64,
+    /// Sample of `plus_v`, from 0.
+    pub plus_sample: usize,
+    /// Sample of `minus_v`, from 0.
+    pub minus_sample: usize,
+}
+
+/// Settings of the variable structure, DESIGN section 7.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thresholds {
+    /// Voltage added or sent in the positive direction [V].
+    pub u_p_plus_v: f64,
+    /// The same in the negative direction, as a magnitude [V].
+    pub u_p_minus_v: f64,
+    /// Threshold of switch 2 [V].
+    pub eps_u_v: f64,
+    /// Threshold of switch 1 [rad].
+    pub eps_e_rad: f64,
+}
+
+/// Breakaway voltages of a recorded slow ramp.
+///
+/// Each direction: the ramp is the longest stretch with a voltage of that sign. The hub moves from the first sample on at which
+/// it has left its rest by `counts` in the direction of the voltage and stays that far away for `hold_s`; the breakaway
+/// voltage is that of the last sample before, within half a count of the rest.
+///
+/// Shapes: one voltage and one hub angle a sample.
+/// Errors: [`Error::Length`], [`Error::NeverMoved`], [`Error::NotAtRest`].
+/// Numerics: late by the time that the hub takes for its first half count: 0.004 V with the default ramp on the paper's plant.
+pub fn breakaway(
+    voltage_v: &[f64],
+    theta_rad: &[f64],
+    period_s: f64,
+    detection: &Detection,
+) -> Result<Breakaway, Error> {
+    if voltage_v.len() != theta_rad.len() {
+        return Err(Error::Length { inputs: voltage_v.len(), outputs: theta_rad.len() });
+    }
+    let hold = ((detection.hold_s / period_s).round() as usize).max(1);
+    let ramp = |sign, direction| Ramp { voltage_v, theta_rad, sign, direction, hold, detection };
+    let plus_sample = ramp(1.0, "forward").last_at_rest()?;
+    let minus_sample = ramp(-1.0, "backward").last_at_rest()?;
+    Ok(Breakaway { plus_v: voltage_v[plus_sample], minus_v: voltage_v[minus_sample], plus_sample, minus_sample })
+}
+
+impl Breakaway {
+    /// For the inverse law u_c = u + u_p sat(u/eps_u): u_p is the breakaway, and eps_u leaves v_res = eps_u u_p/(u_p + eps_u)
+    /// = 0.018 V in the stiffer direction (0.15 degree at 7 V/rad). eps_e is that angle, or a count if that is more.
+    pub fn inverse_thresholds(&self, resolution_rad: f64) -> Thresholds {
+        let larger = self.plus_v.max(-self.minus_v);
+        // A breakaway near v_res itself needs no compensation: the ramp becomes as wide as u_p.
+        let eps_u_v = if larger > 2.0 * RESIDUAL_V { RESIDUAL_V * larger / (larger - RESIDUAL_V) } else { larger };
+        let eps_e_rad = STATIONARY_ERROR_RAD.max(resolution_rad);
+        Thresholds { u_p_plus_v: self.plus_v, u_p_minus_v: -self.minus_v, eps_u_v, eps_e_rad }
+    }
+
+    /// For the switched law: u_p 15 % above the breakaway, eps_u 15 % above the larger u_p.
+    pub fn switched_thresholds(&self, resolution_rad: f64) -> Thresholds {
+        let (u_p_plus_v, u_p_minus_v) = (SWITCHED_MARGIN * self.plus_v, -SWITCHED_MARGIN * self.minus_v);
+        let eps_u_v = SWITCHED_MARGIN * u_p_plus_v.max(u_p_minus_v);
+        Thresholds { u_p_plus_v, u_p_minus_v, eps_u_v, eps_e_rad: STATIONARY_ERROR_RAD.max(resolution_rad) }
+    }
+}
+
+/// One direction of the test.
+struct Ramp<'a> {
+    voltage_v: &'a [f64],
+    theta_rad: &'a [f64],
+    sign: f64,
+    direction: &'static str,
+    hold: usize,
+    detection: &'a Detection,
+}
+
+impl Ramp<'_> {
+    fn last_at_rest(&self) -> Result<usize, Error> {
+        let ramp = self.longest_stretch();
+        let reached_v = self.voltage_v[ramp.clone()].iter().map(|v| v.abs()).fold(0.0, f64::max);
+        let never = Error::NeverMoved { direction: self.direction, reached_v };
+        if ramp.is_empty() {
+            return Err(never);
+        }
+        let rest = self.theta_rad[ramp.start];
+        self.expect_rest(ramp.start, rest)?;
+        let away = |k: usize| self.sign * (self.theta_rad[k] - rest) / self.detection.resolution_rad;
+        // Rounding of the angle must not hide a whole count.
+        let far = |k: usize| away(k) > self.detection.counts - 0.25;
+        let last = self.theta_rad.len() - self.hold;
+        let moving = ramp.clone().take_while(|&k| k <= last).find(|&k| (k..k + self.hold).all(far)).ok_or(never)?;
+        Ok((ramp.start..moving).rev().find(|&k| away(k) < 0.5).unwrap_or(ramp.start))
+    }
+
+    fn longest_stretch(&self) -> std::ops::Range<usize> {
+        let (mut longest, mut start) = (0..0, 0);
+        for (k, v) in self.voltage_v.iter().enumerate() {
+            if !(self.sign * v > 0.0) {
+                start = k + 1;
+            } else if k + 1 - start > longest.len() {
+                longest = start..k + 1;
+            }
+        }
+        longest
+    }
+
+    /// At rest within one count for the hold time before the ramp.
+    fn expect_rest(&self, start: usize, rest: f64) -> Result<(), Error> {
+        let still = |k: &usize| (self.theta_rad[*k] - rest).abs() < 1.5 * self.detection.resolution_rad;
+        match (start.saturating_sub(self.hold)..start).find(|k| !still(k)) {
+            None => Ok(()),
+            Some(sample) => Err(Error::NotAtRest { voltage_v: self.voltage_v[sample], sample }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::SlowRamp;
+
+    const PERIOD_S: f64 = 0.002;
+
+    /// A hub with Coulomb friction: still below the breakaway, first order above, read by an encoder.
+    fn hub(voltage_v: &[f64], plus_v: f64, minus_v: f64) -> Vec<f64> {
+        let (mut theta, mut speed) = (0.3, 0.0_f64);
+        let resolution = Detection::default().resolution_rad;
+        voltage_v
+            .iter()
+            .map(|&v| {
+                let driving = if v > plus_v {
+                    v - plus_v
+                } else if v < minus_v {
+                    v - minus_v
+                } else {
+                    0.0
+                };
+                speed += PERIOD_S * 30.0 * (1.86 * driving - speed);
+                theta += PERIOD_S * speed;
+                (theta / resolution).floor() * resolution
+            })
+            .collect()
+    }
+
+    #[test]
+    fn both_breakaways_are_found_within_the_delay_of_half_a_count() {
+        let v = SlowRamp::default().voltage(PERIOD_S);
+        for (plus, minus) in [(0.28, -0.10), (0.05, -0.41)] {
+            let found = breakaway(&v, &hub(&v, plus, minus), PERIOD_S, &Detection::default()).unwrap();
+            assert!((0.0..0.01).contains(&(found.plus_v - plus)), "{found:?}");
+            assert!((0.0..0.01).contains(&(minus - found.minus_v)), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_flicker_of_one_count_is_no_movement() {
+        let v = SlowRamp::default().voltage(PERIOD_S);
+        let mut theta = hub(&v, 0.28, -0.10);
+        let resolution = Detection::default().resolution_rad;
+        (1000..7000).step_by(3).for_each(|k| theta[k] += resolution);
+        // And a knock that comes back.
+        (3000..3020).for_each(|k| theta[k] += 5.0 * resolution);
+        let found = breakaway(&v, &theta, PERIOD_S, &Detection::default()).unwrap();
+        assert!((found.plus_v - 0.28).abs() < 0.01, "{found:?}");
+    }
+
+    #[test]
+    fn a_stuck_hub_and_a_moving_one_are_refused() {
+        let v = SlowRamp { peak_v: 0.2, ..SlowRamp::default() }.voltage(PERIOD_S);
+        let refused = breakaway(&v, &hub(&v, 0.28, -0.10), PERIOD_S, &Detection::default());
+        assert_eq!(refused, Err(Error::NeverMoved { direction: "forward", reached_v: 0.2 }));
+        let drifting: Vec<f64> = (0..v.len()).map(|k| 0.001 * k as f64).collect();
+        let refused = breakaway(&v, &drifting, PERIOD_S, &Detection::default());
+        assert!(matches!(refused, Err(Error::NotAtRest { .. })), "{refused:?}");
+    }
+
+    #[test]
+    fn thresholds_keep_the_residual_voltage() {
+        let found = Breakaway { plus_v: 0.28, minus_v: -0.10, plus_sample: 0, minus_sample: 0 };
+        let inverse = found.inverse_thresholds(Detection::default().resolution_rad);
+        for u_p in [inverse.u_p_plus_v, inverse.u_p_minus_v] {
+            assert!(inverse.eps_u_v * u_p / (u_p + inverse.eps_u_v) < RESIDUAL_V * (1.0 + 1e-12));
+        }
+        let switched = found.switched_thresholds(Detection::default().resolution_rad);
+        assert!(switched.eps_u_v > switched.u_p_plus_v && switched.u_p_plus_v > found.plus_v);
+        assert!(switched.u_p_minus_v > -found.minus_v);
+    }
+}
