@@ -47,7 +47,7 @@ fn tests(data: Option<&Path>) -> Vec<Step> {
 
 /// The folder that the variable names, or `../shared/data` beside the repository if there is one.
 fn recordings(variable: Option<&OsStr>, root: &Path) -> Option<PathBuf> {
-    match variable {
+    match variable.filter(|folder| !folder.is_empty()) {
         Some(folder) => Some(folder.into()),
         None => root.join("../shared/data").canonicalize().ok(),
     }
@@ -67,6 +67,7 @@ mod tests {
         let beside = recordings(None, &repository).unwrap();
         assert!(beside.is_absolute() && beside.ends_with("shared/data"));
         assert_eq!(recordings(Some(OsStr::new("/else")), &repository), Some("/else".into()));
+        assert_eq!(recordings(Some(OsStr::new("")), &repository), Some(beside), "empty is unset");
         std::fs::remove_dir_all(root).unwrap();
     }
 

@@ -55,6 +55,9 @@ pub struct Settings {
     /// The same in the negative direction, as a magnitude. Default 0 V.
     pub u_p_minus_v: f64,
     /// Threshold of switch 2: the dead region of the switched law, the width of the inverse law's ramp. Default 0.1 V.
+    ///
+    /// Near zero the inverse law multiplies the loop gain by 1 + u_p/eps_u, which must stay below the gain margin: below
+    /// u_p/(margin - 1) the loop hunts.
     pub eps_u_v: f64,
     /// Threshold of switch 1, the stationary error that the switched law still corrects. Default 0.005 rad.
     pub eps_e_rad: f64,
