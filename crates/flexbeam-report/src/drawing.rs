@@ -143,7 +143,10 @@ impl Ink {
         let lines: String = ends.map(|ends| polyline(&ends)).collect();
         if !lines.is_empty() {
             let dashes = [("stroke-width", "1"), ("stroke-dasharray", "5 3")];
-            self.svg.empty("path", &[&[("class", "reference"), ("d", &*lines), ("stroke", REFERENCE)], &dashes[..]].concat());
+            self.svg.empty(
+                "path",
+                &[&[("class", "reference"), ("d", &*lines), ("stroke", REFERENCE)], &dashes[..]].concat(),
+            );
         }
     }
 
@@ -156,13 +159,14 @@ impl Ink {
                 (a.1, b.1) = (f64::NAN, f64::NAN);
             }
         }
-        let outline = |(above, below): (&[(f64, f64)], &[(f64, f64)])| {
+        let outline = |above: &[(f64, f64)], below: &[(f64, f64)]| {
             let back: Points = thinned(below).into_iter().rev().collect();
             polyline(&[thinned(above), back].concat()) + "Z"
         };
-        let data: String = unbroken(&above).zip(unbroken(&below)).map(outline).collect();
+        let data: String = unbroken(&above).zip(unbroken(&below)).map(|(a, b)| outline(a, b)).collect();
         let fill = [("fill", colour.css()), ("fill-opacity", "0.15")];
-        self.svg.empty("path", &[&[("class", "series"), ("data-name", &*series.name), ("d", &data)], &fill[..]].concat());
+        self.svg
+            .empty("path", &[&[("class", "series"), ("data-name", &*series.name), ("d", &data)], &fill[..]].concat());
     }
 
     /// Draws the series and returns what it covers.
@@ -196,7 +200,8 @@ impl Ink {
         let dashes = series.dash.pattern().map(|p| p.map(|part| px(part * series.width)).join(" "));
         let cap = if series.dash == Dash::Solid { "round" } else { "butt" };
         let line_width = px(series.width);
-        let mut attributes = vec![("d", data), ("fill", "none"), ("stroke", colour.css()), ("stroke-width", &line_width)];
+        let mut attributes =
+            vec![("d", data), ("fill", "none"), ("stroke", colour.css()), ("stroke-width", &line_width)];
         attributes.extend([("stroke-linejoin", "round"), ("stroke-linecap", cap)]);
         attributes.extend(dashes.as_deref().map(|d| ("stroke-dasharray", d)));
         self.svg.empty("path", &attributes);
@@ -328,7 +333,7 @@ impl Ink {
         attributes.extend((style.weight == Weight::Bold).then_some(("font-weight", "bold")));
         attributes.extend(style.upwards.then_some(("transform", &*turn)));
         if style.halo {
-            attributes.extend([("stroke", PAPER), ("stroke-width", "3"), ("stroke-opacity", "0.8")]);
+            attributes.extend([("stroke", PAPER), ("stroke-width", "3"), ("stroke-opacity", "0.7")]);
             attributes.extend([("stroke-linejoin", "round"), ("paint-order", "stroke")]);
         }
         self.svg.text(&attributes, &spans(text, style.size));

@@ -10,7 +10,9 @@ pub enum Error {
         cause: String,
     },
     /// The picture would be empty or larger than memory should bear.
-    #[error("tried to draw a PNG of {width} x {height} pixels, needed 1 to {largest} in each direction\nhint: choose another scale")]
+    #[error(
+        "tried to draw a PNG of {width} x {height} pixels, needed 1 to {largest} in each direction\nhint: choose another scale"
+    )]
     Size {
         /// Width [pixels].
         width: f64,

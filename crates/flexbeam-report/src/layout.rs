@@ -100,7 +100,8 @@ impl<'a> Layout<'a> {
         let legends = legends(figure);
         let heights = panel_heights(figure, &legends);
         let y_ticks: Vec<Ticks> = axes.iter().zip(&heights).map(|((_, y), h)| y.ticks(most_upwards(*h))).collect();
-        let labels: Vec<_> = figure.panels.iter().zip(&heights).map(|(p, h)| lines(&p.y_label, h + PANEL_GAP)).collect();
+        let labels: Vec<_> =
+            figure.panels.iter().zip(&heights).map(|(p, h)| lines(&p.y_label, h + PANEL_GAP)).collect();
         let left = left_margin(&y_ticks, &labels);
         let ticks = axes.first().map(|(x, _)| x_ticks(x, figure.width - left - LEAST_RIGHT));
         let right = ticks.as_ref().map_or(LEAST_RIGHT, right_margin);
@@ -196,7 +197,8 @@ fn y_values<'a>(panel: &'a Panel, x: &'a Axis) -> impl Iterator<Item = f64> + 'a
             _ => &[],
         };
         let foot = (s.shape == Shape::Stem && panel.y_scale != Scale::Log).then_some(0.0);
-        let over = move |values: &'a [f64]| s.x.iter().zip(values).filter(move |(at, _)| visible(**at)).map(|(_, y)| *y);
+        let over =
+            move |values: &'a [f64]| s.x.iter().zip(values).filter(move |(at, _)| visible(**at)).map(|(_, y)| *y);
         over(&s.y).chain(over(lower)).chain(foot)
     };
     let marked = panel.marks.iter().filter_map(|mark| match mark {
@@ -234,7 +236,8 @@ fn x_ticks(x: &Axis, length: f64) -> Ticks {
 }
 
 fn left_margin(ticks: &[Ticks], labels: &[Vec<String>]) -> f64 {
-    let numbers = ticks.iter().flat_map(|t| &t.major).map(|t| width(&t.label, TICK, Weight::Regular)).fold(0.0, f64::max);
+    let numbers =
+        ticks.iter().flat_map(|t| &t.major).map(|t| width(&t.label, TICK, Weight::Regular)).fold(0.0, f64::max);
     let lines = labels.iter().map(Vec::len).max().unwrap_or(0);
     EDGE + lines as f64 * LINE_HEIGHT + 6.0 + numbers + 2.0 * TICK_LENGTH
 }

@@ -15,21 +15,21 @@
 mod drawing;
 mod error;
 mod figure;
-//mod html;
+mod html;
 mod layout;
 mod number;
 mod png;
 mod scale;
 mod series;
 mod svg;
-//mod table;
+mod table;
 mod typeface;
 
 pub use error::Error;
 pub use figure::{Figure, Panel};
-//pub use html::{Check, Report, Verdict};
+pub use html::{Check, Report};
 pub use number::{engineering, significant, typographic};
 pub use png::png_of_svg;
 pub use scale::{Axis, Scale, Tick, Ticks};
 pub use series::{Colour, Dash, Marker, Series};
-//pub use table::{Cell, Column, Table};
+pub use table::{Cell, Column, Table, Verdict};

@@ -52,6 +52,8 @@ pub struct Ticks {
 
 /// Values beyond this are drawn here: the square root of nothing in a report is larger, and differences stay finite.
 const LARGEST: f64 = 1e300;
+/// Margins end here, so that a factor beside the largest values still has a power of ten above it.
+const LARGEST_END: f64 = 1e305;
 /// A range narrower than this, relative to its ends, is a constant: its tick labels would need ten digits.
 const NARROWEST: f64 = 1e-9;
 /// A range of data that are all the same gets this much to either side, relative.
@@ -103,7 +105,7 @@ impl Axis {
         let (low, high) = (low.clamp(1.0 / LARGEST, LARGEST), high.clamp(1.0 / LARGEST, LARGEST));
         let ratio = high / low;
         let beside = if ratio < 1.0 + NARROWEST { 3.0 } else { 10f64.powf(margin * decades(low, high)) };
-        Axis { scale: Scale::Log, low: low / beside, high: high * beside }
+        Axis { scale: Scale::Log, low: (low / beside).max(1.0 / LARGEST_END), high: (high * beside).min(LARGEST_END) }
     }
 
     /// The kind of axis.
@@ -152,7 +154,11 @@ impl Axis {
         let exponent = if largest == 0.0 || PLAIN.contains(&largest) { 0 } else { group_of_three(largest) };
         let decimals = (exponent - step.exponent).clamp(0, 17) as usize;
         let label = |value: f64| decimal(scaled(value, exponent), decimals);
-        Ticks { major: values.into_iter().map(|value| Tick { value, label: label(value) }).collect(), minor: vec![], exponent }
+        Ticks {
+            major: values.into_iter().map(|value| Tick { value, label: label(value) }).collect(),
+            minor: vec![],
+            exponent,
+        }
     }
 
     fn step(&self, most: usize) -> Step {
@@ -241,9 +247,9 @@ impl Step {
     /// Steps from about `coarse` down to a hundredth of it.
     fn from_coarse(scale: Scale, coarse: f64) -> Box<dyn Iterator<Item = Step>> {
         let top = coarse.log10().floor() as i32;
-        let decimal = (top - 2..=top + 1).rev().flat_map(|exponent| {
-            [5.0, 2.0, 1.0].into_iter().map(move |mantissa| Step { mantissa, exponent })
-        });
+        let decimal = (top - 2..=top + 1)
+            .rev()
+            .flat_map(|exponent| [5.0, 2.0, 1.0].into_iter().map(move |mantissa| Step { mantissa, exponent }));
         const DEGREES: [f64; 7] = [360.0, 180.0, 90.0, 45.0, 30.0, 15.0, 10.0];
         const DECIBELS: [f64; 8] = [200.0, 100.0, 60.0, 40.0, 20.0, 10.0, 5.0, 2.0];
         const HALF_SPANS: std::ops::Range<f64> = 10.0..1000.0;
@@ -251,7 +257,9 @@ impl Step {
         match scale {
             Scale::Degrees if HALF_SPANS.contains(&coarse) => Box::new(fixed(&DEGREES)),
             Scale::Decibels if HALF_SPANS.contains(&coarse) => Box::new(fixed(&DECIBELS)),
-            Scale::Integer => Box::new(decimal.filter(|step| step.exponent >= 0).chain([Step { mantissa: 1.0, exponent: 0 }])),
+            Scale::Integer => {
+                Box::new(decimal.filter(|step| step.exponent >= 0).chain([Step { mantissa: 1.0, exponent: 0 }]))
+            }
             _ => Box::new(decimal),
         }
     }
@@ -318,7 +326,10 @@ mod tests {
         assert_eq!(labels(Axis::new(Scale::Log, 1.0, 30.0), 9), ["1", "2", "5", "10", "20"]);
         assert_eq!(labels(Axis::new(Scale::Log, 1e-8, 1.0), 5), ["10⁻⁸", "10⁻⁶", "10⁻⁴", "10⁻²", "10⁰"]);
         assert_eq!(labels(Axis::new(Scale::Degrees, -370.0, 5.0), 8), ["−360", "−270", "−180", "−90", "0"]);
-        assert_eq!(labels(Axis::new(Scale::Degrees, -100.0, 5.0), 8), ["−90", "−75", "−60", "−45", "−30", "−15", "0"][..]);
+        assert_eq!(
+            labels(Axis::new(Scale::Degrees, -100.0, 5.0), 8),
+            ["−90", "−75", "−60", "−45", "−30", "−15", "0"][..]
+        );
         assert_eq!(labels(Axis::new(Scale::Decibels, -170.0, 38.0), 8), ["−160", "−120", "−80", "−40", "0"]);
         assert_eq!(labels(Axis::new(Scale::Integer, 0.5, 4.5), 9), ["1", "2", "3", "4"]);
     }
@@ -326,7 +337,10 @@ mod tests {
     #[test]
     fn large_and_small_numbers_share_an_exponent() {
         let small = Axis::new(Scale::Linear, 0.0, 4e-7);
-        assert_eq!((labels(small, 5), small.ticks(5).exponent), (["0", "100", "200", "300", "400"].map(String::from).to_vec(), -9));
+        assert_eq!(
+            (labels(small, 5), small.ticks(5).exponent),
+            (["0", "100", "200", "300", "400"].map(String::from).to_vec(), -9)
+        );
         let large = Axis::new(Scale::Linear, 0.0, 3e6);
         assert_eq!((labels(large, 4), large.ticks(4).exponent), (["0", "1", "2", "3"].map(String::from).to_vec(), 6));
     }
@@ -390,6 +404,13 @@ mod tests {
             holds(Axis::new(Scale::Log, 10f64.powf(a), 10f64.powf(b)), most)?;
             let low = a.min(299.0 - near);
             holds(Axis::new(Scale::Log, 10f64.powf(low), 10f64.powf(low + near)), most)?;
+        }
+
+        #[test]
+        fn margins_keep_the_axis_finite(a in -300.0f64..300.0, b in -300.0f64..300.0, margin in 0.0f64..0.5) {
+            let axis = Axis::fit(Scale::Log, [10f64.powf(a), 10f64.powf(b)], margin);
+            prop_assert!(axis.low() > 0.0 && axis.high().is_finite());
+            holds(axis, 9)?;
         }
 
         #[test]
