@@ -22,13 +22,13 @@ impl Blur {
         self.0 * size
     }
 
-    /// The blur of what is next seen, after a compression of a matrix whose scale is `size`.
+    /// The blur of what is next seen, after a compression of a matrix whose scale is `size`. Without a split there is no
+    /// angle to be uncertain about.
     pub(crate) fn after(self, compression: &RowCompression, size: f64) -> Blur {
-        if compression.rank == 0 {
-            self
-        } else {
-            Blur((self.0 * (1.0 + size / compression.least_pivot)).min(LARGEST_BLUR))
+        if compression.rank == 0 || compression.rank == compression.Q.nrows() {
+            return self;
         }
+        Blur((self.0 * (1.0 + size / compression.least_pivot)).min(LARGEST_BLUR))
     }
 }
 

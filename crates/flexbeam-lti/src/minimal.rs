@@ -4,16 +4,35 @@
 
 use crate::compression::{Blur, RowCompression};
 use crate::equilibration::equilibrated;
-use crate::{Mat, StateSpace};
+use crate::{Mat, StateSpace, Time};
 
 /// The controllable and observable part: the same function with the least number of states.
 ///
-/// Numerics: orthogonal staircase forms after rescaling. A coupling below rounding, relative to the whole, counts as
+/// Numerics: orthogonal staircase forms after rescaling, of A - I for a sampled system. A coupling below rounding, relative to the whole, counts as
 /// none; a merely weak one stays.
 /// Source: Van Dooren 1981.
 pub fn minimal(system: &StateSpace) -> StateSpace {
-    let controllable = controllable_part(&equilibrated(system));
-    transposed(&controllable_part(&transposed(&controllable)))
+    let controllable = controllable_part(&equilibrated(&about_centre(system, -1.0)));
+    about_centre(&transposed(&controllable_part(&transposed(&controllable))), 1.0)
+}
+
+/// Where fast sampling gathers all poles.
+pub(crate) fn centre(time: Time) -> f64 {
+    match time {
+        Time::Continuous => 0.0,
+        Time::Sampled { .. } => 1.0,
+    }
+}
+
+/// A + sign * centre * I: a function of z - 1 (the delta operator) and back.
+///
+/// NUMERICS: beside an identity the rest of e^(A Ts) would be judged, and rounded, as a small perturbation.
+pub(crate) fn about_centre(system: &StateSpace, sign: f64) -> StateSpace {
+    let mut moved = system.clone();
+    for k in 0..moved.order() {
+        moved.A[(k, k)] += sign * centre(moved.time);
+    }
+    moved
 }
 
 /// (A', C', B', D').

@@ -6,7 +6,7 @@ use crate::blocks::{beside, stack};
 use crate::compression::{Blur, RowCompression};
 use crate::equilibration::equilibrated;
 use crate::generalised::generalised_eigenvalues;
-use crate::minimal::{minimal, transposed};
+use crate::minimal::{about_centre, centre, minimal, transposed};
 use crate::{C64, Error, StateSpace};
 
 /// Rounds of input and output scaling; the second finds only what the first has spoilt.
@@ -18,6 +18,22 @@ const SCALING_ROUNDS: usize = 2;
 /// Errors: [`Error::NotConverged`].
 /// Numerics: as [`invariant_zeros`], after [`minimal`].
 /// Source: MacFarlane & Karcanias 1976 for the notion.
+///
+/// DESIGN section 2: V -> psi of the flexible link has no finite zeros, V -> alpha one at s = 0.
+///
+/// ```
+/// use flexbeam_lti::{Mat, StateSpace, Time, zeros::transmission_zeros};
+///
+/// let (k1, k2, c, b) = (1060.8, 1465.2, 57.7, 107.39);
+/// let A = Mat::from_row_slice(4, 4, &[0., 0., 1., 0., 0., 0., 0., 1., 0., k1, -c, 0., 0., -k2, c, 0.]);
+/// let B = Mat::from_column_slice(4, 1, &[0., 0., b, -b]);
+/// let seen_by = |C: &[f64]| {
+///     StateSpace::new(A.clone(), B.clone(), Mat::from_row_slice(1, 4, C), Mat::zeros(1, 1), Time::Continuous).unwrap()
+/// };
+/// assert!(transmission_zeros(&seen_by(&[1., 1., 0., 0.])).unwrap().is_empty());
+/// let alpha = transmission_zeros(&seen_by(&[0., 1., 0., 0.])).unwrap();
+/// assert!(alpha.len() == 1 && alpha[0].norm() < 1e-12);
+/// ```
 pub fn transmission_zeros(system: &StateSpace) -> Result<Vec<C64>, Error> {
     let least = minimal(system);
     // The given coordinates are worth keeping: their exact zeros and small numbers are what high relative degrees rest on.
@@ -28,7 +44,7 @@ pub fn transmission_zeros(system: &StateSpace) -> Result<Vec<C64>, Error> {
 ///
 /// Returns: as [`transmission_zeros`]; for one input and one output they are the roots of det(s I - A) G(s).
 /// Errors: [`Error::NotConverged`].
-/// Numerics: states, inputs and outputs scaled by powers of two, orthogonal reduction to a regular D, then the QZ
+/// Numerics: states, inputs and outputs scaled by powers of two, z - 1 in place of z, orthogonal reduction to a regular D, then the QZ
 /// algorithm; O((n + m + l)^3). Ranks are decided relative to the scaled system matrix: a relative degree that
 /// cancellation has blurred to rounding shows as zeros of very large modulus.
 /// Source: Emami-Naeini & Van Dooren 1982.
@@ -39,7 +55,7 @@ pub fn invariant_zeros(system: &StateSpace) -> Result<Vec<C64>, Error> {
     let columns = RowCompression::new(&beside(&core.C, &core.D).transpose(), 0.0).Q;
     let W = columns.columns(r, n);
     let (A, E) = (beside(&core.A, &core.B) * W, W.rows(0, n).into_owned());
-    Ok(generalised_eigenvalues(&A, &E)?.iter().filter_map(|e| e.finite()).collect())
+    Ok(generalised_eigenvalues(&A, &E)?.iter().filter_map(|e| e.finite()).map(|z| z + centre(system.time)).collect())
 }
 
 /// Rank of G(s) at all but finitely many points.
@@ -47,7 +63,7 @@ pub fn normal_rank(system: &StateSpace) -> usize {
     regular_core(system).inputs()
 }
 
-/// A system with square regular D and the same zeros.
+/// A system with square regular D and the same zeros; for a sampled one, less 1.
 fn regular_core(system: &StateSpace) -> StateSpace {
     let scaled = scaled(system);
     let size = beside(&stack(&scaled.A, &scaled.C), &stack(&scaled.B, &scaled.D));
@@ -58,7 +74,7 @@ fn regular_core(system: &StateSpace) -> StateSpace {
 
 /// States equilibrated, time unchanged, inputs and outputs as large as A: zeros do not depend on any of these units.
 fn scaled(system: &StateSpace) -> StateSpace {
-    let mut G = system.clone();
+    let mut G = about_centre(system, -1.0);
     for _ in 0..SCALING_ROUNDS {
         let size = G.A.norm();
         scale_inputs(&mut G, size);
