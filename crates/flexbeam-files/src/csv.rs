@@ -135,9 +135,10 @@ fn unquoted(cell: &str) -> &str {
 }
 
 impl Separator {
+    /// The first of semicolon and comma that stands outside quotes, else white space.
     fn of(line: &str) -> Separator {
-        let written = [b';', b','].into_iter().find(|c| line.as_bytes().contains(c));
-        written.map_or(Separator::WhiteSpace, Separator::Character)
+        let outside_quotes = |c: &u8| line.split('"').step_by(2).any(|piece| piece.as_bytes().contains(c));
+        [b';', b','].into_iter().find(outside_quotes).map_or(Separator::WhiteSpace, Separator::Character)
     }
 
     fn each<E>(self, line: &str, mut take: impl FnMut(&str) -> Result<(), E>) -> Result<(), E> {

@@ -16,6 +16,13 @@ use toml::de::{DeTable, DeValue};
 pub(crate) const SCHEMA_KEY: &str = "schema";
 
 /// A kind of TOML file.
+///
+/// ```
+/// use flexbeam_files::{Document, Rig};
+/// let rig = Rig::parse("schema = \"flexbeam.rig/1\"\n[actuator]\nlimit_v = 8\n", "rig.toml".as_ref())?;
+/// assert_eq!(rig.actuator.and_then(|actuator| actuator.limit_v), Some(8.0.into()));
+/// # Ok::<(), flexbeam_files::Error>(())
+/// ```
 pub trait Document: Serialize + DeserializeOwned {
     /// Kind and version: `flexbeam.model/1`.
     const SCHEMA: &'static str;
@@ -32,7 +39,7 @@ pub trait Document: Serialize + DeserializeOwned {
 
     /// Reads the document at `path`.
     ///
-    /// Errors: [`Fault::Io`], [`Fault::IsFolder`], [`Fault::NotText`], and those of [`Document::parse`].
+    /// Errors: those of [`read_bytes`], [`Fault::NotText`], and those of [`Document::parse`].
     fn read(path: &Path) -> Result<Self, Error> {
         let bytes = read_bytes(path)?;
         match std::str::from_utf8(&bytes) {
@@ -65,7 +72,7 @@ pub trait Document: Serialize + DeserializeOwned {
 
     /// Writes the document to `path`.
     ///
-    /// Errors: those of [`Document::to_toml`]; [`Fault::Exists`], [`Fault::IsFolder`], [`Fault::Io`].
+    /// Errors: those of [`Document::to_toml`] and of [`write_bytes`].
     fn write(&self, path: &Path, overwrite: Overwrite) -> Result<Written, Error> {
         write_bytes(path, self.to_toml(path)?.as_bytes(), overwrite)
     }
@@ -121,4 +128,37 @@ fn located(root: &DeValue<'_>, path: &[Step]) -> Option<usize> {
         value = next.as_ref();
     }
     offset
+}
+
+/// The schema that a file names; nothing for a recording or any other file that is not a document.
+///
+/// Errors: those of [`read_bytes`]; [`Fault::Syntax`] for a document that is damaged.
+pub fn schema_of(path: &Path) -> Result<Option<String>, Error> {
+    let bytes = read_bytes(path)?;
+    match std::str::from_utf8(&bytes) {
+        Ok(text) if looks_like_toml(text) => {
+            let table = parse_table(text, path, Tried::Read)?;
+            Ok(table.get(SCHEMA_KEY).and_then(|schema| schema.as_ref().as_str()).map(String::from))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// Whether the first line that is neither blank nor a comment is a key or a section: spares parsing a long recording.
+pub(crate) fn looks_like_toml(text: &str) -> bool {
+    let first = text.lines().map(str::trim_start).find(|line| !line.is_empty() && !line.starts_with('#'));
+    first.is_some_and(|line| line.starts_with('[') || line.contains('='))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_documents_are_parsed_as_toml() {
+        assert!(looks_like_toml("# head\n\nschema = \"x/1\"\n"));
+        assert!(looks_like_toml("[provenance]\n"));
+        assert!(!looks_like_toml("# schema = 1\ntime_s,u\n0,1\n"));
+        assert!(!looks_like_toml(""));
+    }
 }

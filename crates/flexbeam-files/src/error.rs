@@ -79,7 +79,7 @@ impl Error {
     }
 
     /// What the user may do about it.
-    pub fn hint(&self) -> Option<String> {
+    pub fn hint(&self) -> String {
         self.fault.hint()
     }
 }
@@ -107,10 +107,7 @@ impl fmt::Display for Place {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "cannot {} {}: found {}, needed {}", self.tried, self.place, self.found(), self.needed())?;
-        match self.hint() {
-            Some(hint) => write!(f, "\nhint: {hint}"),
-            None => Ok(()),
-        }
+        write!(f, "\nhint: {}", self.hint())
     }
 }
 
@@ -126,7 +123,7 @@ mod tests {
         let error = Error::new(Tried::Read, Path::new("recording.csv"), fault).at_line(12).at_column(3);
         let message = error.to_string();
         assert!(message.starts_with("cannot read recording.csv:12:3: found \"abc\""), "{message}");
-        assert!(message.contains(", needed a number"), "{message}");
+        assert!(message.contains(", needed a number\nhint: "), "{message}");
     }
 
     #[test]

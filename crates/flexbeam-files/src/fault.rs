@@ -195,12 +195,14 @@ pub enum Fault {
     Exists,
     /// A folder where a file was meant.
     IsFolder,
+    /// No file of that name.
+    NoFile,
+    /// No folder for the file to be written.
+    NoFolder,
     /// The operating system refused.
     Io {
-        /// Its kind.
+        /// In its words.
         kind: io::ErrorKind,
-        /// Its words.
-        message: String,
     },
 }
 
@@ -226,12 +228,12 @@ impl Fault {
             Fault::NoPeriod => "neither a time column nor a period".into(),
             Fault::Period { period_s } => format!("a sample period of {period_s} s"),
             Fault::UnequalPeriods { found_s, .. } => {
-                format!("unequal sample periods: {found_s:.6e} s to this row from the one before")
+                format!("unequal sample periods: {} s to this row from the one before", six_digits(*found_s))
             }
             Fault::PeriodsDiffer { in_file_s, given_s, .. } => {
                 format!("a period of {in_file_s} s in the time column and {given_s} s given")
             }
-            Fault::Syntax { message } => message.clone(),
+            Fault::Syntax { message } => format!("text that is not TOML ({message})"),
             Fault::NoSchema { .. } => "no schema".into(),
             Fault::Schema { found, .. } => format!("schema {found:?}"),
             Fault::UnknownKey { key, .. } => format!("an unknown key {key}"),
@@ -245,7 +247,9 @@ impl Fault {
             Fault::Length { key, found, .. } => format!("{key} has {}", counted(*found, "entry", "")),
             Fault::Exists => "a file of that name with other content".into(),
             Fault::IsFolder => "a folder".into(),
-            Fault::Io { message, .. } => message.clone(),
+            Fault::NoFile => "no file of that name".into(),
+            Fault::NoFolder => "no folder to write it into".into(),
+            Fault::Io { kind } => kind.to_string(),
         }
     }
 
@@ -265,14 +269,14 @@ impl Fault {
             Fault::NoPeriod => "the sample period".into(),
             Fault::Period { .. } => "a positive number of seconds".into(),
             Fault::UnequalPeriods { needed_s, tolerance, .. } => {
-                format!("{needed_s:.6e} s within {} %", 100.0 * tolerance)
+                format!("{} s within {} %", six_digits(*needed_s), 100.0 * tolerance)
             }
             Fault::PeriodsDiffer { tolerance, .. } => format!("two equal ones, within {} %", 100.0 * tolerance),
             Fault::Syntax { .. } => "TOML".into(),
             Fault::NoSchema { needed } => format!("schema = {needed:?}"),
             Fault::Schema { needed, .. } => format!("schema {needed:?}, which this version reads"),
             Fault::UnknownKey { known, .. } => format!("one of {}", known.join(", ")),
-            Fault::MissingKey { .. } => "this key".into(),
+            Fault::MissingKey { .. } => "it, as the schema demands".into(),
             Fault::OneOf { .. } => "exactly one of the two".into(),
             Fault::WrongType { needed, .. } => needed.clone(),
             Fault::Choice { choices, .. } => format!("one of {}", choices.join(", ")),
@@ -281,36 +285,64 @@ impl Fault {
             Fault::Length { needed, .. } => needed.to_string(),
             Fault::Exists => "a name that is free".into(),
             Fault::IsFolder => "a file".into(),
-            Fault::Io { kind: io::ErrorKind::NotFound, .. } => "an existing file or folder".into(),
+            Fault::NoFile => "an existing file".into(),
+            Fault::NoFolder => "an existing folder".into(),
             Fault::Io { .. } => "the permission and the space to do it".into(),
         }
     }
 
     /// What the user may do about it.
-    pub fn hint(&self) -> Option<String> {
+    pub fn hint(&self) -> String {
         match self {
-            Fault::NotText => Some("save it again as plain text, UTF-8".into()),
+            Fault::Empty => "is it the right file?".into(),
+            Fault::NotText => "save it again as plain text, UTF-8".into(),
             Fault::NotANumber { text, .. } if text.contains(',') => {
-                Some("decimal commas are not read: write 0.5, not 0,5".into())
+                "decimal commas are not read: write 0.5, not 0,5".into()
             }
             Fault::NotANumber { .. } | Fault::MissingValue { .. } => {
-                Some("cut the recording before or after this row; a gap cannot be filled by guessing".into())
+                "cut the recording before or after this row; a gap cannot be filled by guessing".into()
             }
-            Fault::Ragged { .. } => Some("complete the row, or remove it if it is the last one".into()),
-            Fault::NoHeader { .. } => Some("name them: --columns time,u,y (_ leaves a column out)".into()),
-            Fault::NamesAndColumns { .. } => Some("_ in the place of a name leaves a column out".into()),
+            Fault::NotFinite { .. } => "something went wrong where this number was made; make the file again".into(),
+            Fault::Ragged { .. } => "complete the row, or remove it if it is the last one".into(),
+            Fault::TooFewRows { .. } => "record for longer".into(),
+            Fault::NoHeader { .. } => "name them: --columns time,u,y (_ leaves a column out)".into(),
+            Fault::EmptyName { .. } => "name it, or take the column out".into(),
+            Fault::DuplicateName { .. } => "rename one of the two".into(),
+            Fault::NamesAndColumns { names, columns } if names > columns => "name only what the file has".into(),
+            Fault::NamesAndColumns { .. } => "_ in the place of a name leaves a column out".into(),
             Fault::UnknownColumn { nearest, .. }
             | Fault::UnknownKey { nearest, .. }
-            | Fault::Choice { nearest, .. } => nearest.as_ref().map(|name| format!("did you mean {name}?")),
-            Fault::NoPeriod => Some("give it in seconds: --period 0.001".into()),
-            Fault::UnequalPeriods { .. } => Some("a sample is missing or doubled here; cut there, or resample".into()),
-            Fault::PeriodsDiffer { .. } => Some("leave --period out to use the time column's".into()),
-            Fault::NoSchema { .. } => Some("is it the right kind of file?".into()),
-            Fault::Schema { found, needed } => Some(schema_hint(found, needed)),
-            Fault::Exists => Some("choose another name, or allow replacing it with --force".into()),
-            _ => None,
+            | Fault::Choice { nearest, .. } => nearest
+                .as_ref()
+                .map_or_else(|| "names are spelt as in the file".into(), |n| format!("did you mean {n}?")),
+            Fault::NoSignals => "record what goes in and what comes out beside the time".into(),
+            Fault::NoPeriod | Fault::Period { .. } => "give it in seconds: --period 0.001".into(),
+            Fault::UnequalPeriods { .. } => "a sample is missing or doubled here; cut there, or resample".into(),
+            Fault::PeriodsDiffer { .. } => "leave --period out to use the time column's".into(),
+            Fault::Syntax { .. } => "words stand in quotes, numbers do not, arrays in [ ] with commas".into(),
+            Fault::NoSchema { .. } => "is it the right kind of file? Its first line names the schema".into(),
+            Fault::Schema { found, needed } => schema_hint(found, needed),
+            Fault::MissingKey { .. } => "add it, or make the file again".into(),
+            Fault::OneOf { found: 0, .. } => "add the one that fits".into(),
+            Fault::OneOf { .. } => "take one of the two out".into(),
+            Fault::WrongType { .. } => "compare with a file that flexbeam wrote".into(),
+            Fault::Range { .. } => "check the sign and the unit in the key's name".into(),
+            Fault::Shape { .. } | Fault::Length { .. } => {
+                "A has a row for each state, B a column for each input, C a row for each output; rows are equally long"
+                    .into()
+            }
+            Fault::Exists => "choose another name, or allow replacing it with --force".into(),
+            Fault::IsFolder => "name a file in it".into(),
+            Fault::NoFile => "paths count from the folder where the command runs".into(),
+            Fault::NoFolder => "make the folder first".into(),
+            Fault::Io { .. } => "look at the file's permissions and the free space".into(),
         }
     }
+}
+
+/// Six digits are plenty to recognise a number by.
+fn six_digits(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
 }
 
 /// "1 row of numbers", "2 rows of numbers".

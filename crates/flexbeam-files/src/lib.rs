@@ -34,7 +34,7 @@ pub use certificate::{Certificate, LoopFigures};
 pub use columns::ColumnName;
 pub use controller::{Controller, Design};
 pub use csv::{LEFT_OUT, csv_text};
-pub use document::Document;
+pub use document::{Document, schema_of};
 pub use error::{Error, Place, Tried};
 pub use extended::Extended;
 pub use fault::Fault;

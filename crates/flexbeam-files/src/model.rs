@@ -181,7 +181,8 @@ impl Model {
 
 impl Document for Model {
     const SCHEMA: &'static str = "flexbeam.model/1";
-    const HEAD: &'static str = "flexbeam model: dx = A x + B u, y = C x + D u. SI units; a row of a matrix a line.";
+    const HEAD: &'static str =
+        "flexbeam model: x' or x(k+1) = A x + B u, y = C x + D u. SI units; a row of a matrix a line.";
 
     fn provenance(&self) -> Option<&Provenance> {
         self.provenance.as_ref()

@@ -4,7 +4,7 @@
 //! Deliberately absent: the clock.
 
 use crate::Document;
-use crate::document::{SCHEMA_KEY, parse_table};
+use crate::document::{SCHEMA_KEY, looks_like_toml, parse_table};
 use crate::error::{Error, Tried};
 use crate::hash::sha256_hex;
 use crate::note::Note;
@@ -44,7 +44,7 @@ pub struct Parent {
 impl Parent {
     /// The file at `path` as the parent of the file at `child`.
     ///
-    /// Errors: [`Fault::Io`](crate::Fault::Io), [`Fault::IsFolder`](crate::Fault::IsFolder).
+    /// Errors: those of [`read_bytes`].
     pub fn of(path: &Path, child: &Path) -> Result<Parent, Error> {
         let bytes = read_bytes(path)?;
         Ok(Parent { path: relative(path, child), sha256: sha256_hex(&bytes), schema: Origin::of(path, &bytes).schema })
@@ -90,7 +90,7 @@ pub struct Step {
 /// now; a file that was met already is listed, but not walked on from again. A recording's parents stand in the
 /// [`Note`] beside it, which counts only while the recording is the one it was written for.
 ///
-/// Errors: [`Fault::Io`](crate::Fault::Io), [`Fault::IsFolder`](crate::Fault::IsFolder), for the start only.
+/// Errors: those of [`read_bytes`], for the start only.
 pub fn trace(path: &Path) -> Result<Vec<Step>, Error> {
     let bytes = read_bytes(path)?;
     let mut walk = Walk { met: HashSet::new(), steps: Vec::new() };
@@ -173,12 +173,6 @@ impl Origin {
     }
 }
 
-/// Whether the first line that is neither blank nor a comment is a key or a section: spares parsing a long recording.
-fn looks_like_toml(text: &str) -> bool {
-    let first = text.lines().map(str::trim_start).find(|line| !line.is_empty() && !line.starts_with('#'));
-    first.is_some_and(|line| line.starts_with('[') || line.contains('='))
-}
-
 /// `path` as seen from the folder of `child`, with `/`; absolute when the two have nothing in common.
 fn relative(path: &Path, child: &Path) -> String {
     let (path, child) = (plain(path), plain(child));
@@ -222,13 +216,5 @@ mod tests {
         ] {
             assert_eq!(relative(Path::new(path), Path::new(child)), seen);
         }
-    }
-
-    #[test]
-    fn only_documents_are_parsed_as_toml() {
-        assert!(looks_like_toml("# head\n\nschema = \"x/1\"\n"));
-        assert!(looks_like_toml("[provenance]\n"));
-        assert!(!looks_like_toml("# schema = 1\ntime_s,u\n0,1\n"));
-        assert!(!looks_like_toml(""));
     }
 }

@@ -51,7 +51,7 @@ pub struct Recording {
 impl Recording {
     /// Reads a recording.
     ///
-    /// Errors: [`Fault::Io`], and those of [`Recording::parse`].
+    /// Errors: those of [`read_bytes`] and of [`Recording::parse`].
     pub fn read(path: &Path, layout: &Layout) -> Result<Recording, Error> {
         Recording::parse(&read_bytes(path)?, path, layout)
     }
@@ -62,6 +62,17 @@ impl Recording {
     /// [`Fault::DuplicateName`], [`Fault::NamesAndColumns`], [`Fault::Ragged`], [`Fault::MissingValue`],
     /// [`Fault::NotANumber`], [`Fault::NotFinite`]), [`Fault::TooFewRows`], [`Fault::NoSignals`], and those of the
     /// period ([`Fault::NoPeriod`], [`Fault::Period`], [`Fault::UnequalPeriods`], [`Fault::PeriodsDiffer`]).
+    ///
+    /// ```
+    /// use flexbeam_files::{Layout, Recording};
+    /// let text = "time_s,voltage_v,theta_rad\n0.000,1.5,0\n0.002,1.4,1e-3\n0.004,abc,2e-3\n";
+    /// let error = Recording::parse(text.as_bytes(), "arm.csv".as_ref(), &Layout::default()).unwrap_err();
+    /// assert!(error.to_string().starts_with("cannot read arm.csv:4:7: found \"abc\" in column voltage_v, needed a number"));
+    /// let recording = Recording::parse(text.replace("abc", "1.3").as_bytes(), "arm.csv".as_ref(), &Layout::default())?;
+    /// assert_eq!(recording.signals.period_s, 0.002);
+    /// assert_eq!(recording.select(&["theta_rad"])?.data[(0, 2)], 2e-3);
+    /// # Ok::<(), flexbeam_files::Error>(())
+    /// ```
     pub fn parse(bytes: &[u8], source: &Path, layout: &Layout) -> Result<Recording, Error> {
         let text = decoded(bytes, source)?;
         let table = csv::parse(text, source, layout.columns.as_deref())?;
@@ -118,7 +129,7 @@ impl Recording {
 
     /// Writes the recording as CSV.
     ///
-    /// Errors: [`Fault::NotFinite`], [`Fault::Exists`], [`Fault::IsFolder`], [`Fault::Io`].
+    /// Errors: those of [`write_signals`].
     pub fn write(&self, path: &Path, overwrite: Overwrite) -> Result<Written, Error> {
         write_signals(&self.signals, self.time_s.as_deref(), path, overwrite)
     }
@@ -127,7 +138,7 @@ impl Recording {
 /// Writes signals as CSV, with `time_s` or with k `period_s` in the first column.
 ///
 /// Shapes: `time_s` has an entry for each sample.
-/// Errors: [`Fault::NotFinite`] (what is written can be read), [`Fault::Exists`], [`Fault::IsFolder`], [`Fault::Io`].
+/// Errors: [`Fault::NotFinite`] (what is written can be read), and those of [`write_bytes`].
 pub fn write_signals(
     signals: &Signals,
     time_s: Option<&[f64]>,

@@ -32,7 +32,7 @@ pub enum Written {
 
 /// All bytes of a file.
 ///
-/// Errors: [`Fault::IsFolder`], [`Fault::Io`].
+/// Errors: [`Fault::NoFile`], [`Fault::IsFolder`], [`Fault::Io`].
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
     fs::read(path).map_err(|error| refused(Tried::Read, path, &error))
 }
@@ -40,7 +40,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
 /// Writes `bytes` beside `path`, then renames: readers see the old file or the new one, never a part.
 ///
 /// Errors: [`Fault::Exists`] when a file with other content stands there and `overwrite` refuses; [`Fault::IsFolder`];
-/// [`Fault::Io`]. After an error the old file stands as it was.
+/// [`Fault::NoFolder`]; [`Fault::Io`]. After an error the old file stands as it was.
 pub fn write_bytes(path: &Path, bytes: &[u8], overwrite: Overwrite) -> Result<Written, Error> {
     let outcome = match standing(path)? {
         None => Written::New,
@@ -130,7 +130,9 @@ fn refused(tried: Tried, path: &Path, error: &io::Error) -> Error {
     let fault = match error.kind() {
         io::ErrorKind::IsADirectory => Fault::IsFolder,
         io::ErrorKind::AlreadyExists => Fault::Exists,
-        kind => Fault::Io { kind, message: error.to_string() },
+        io::ErrorKind::NotFound if tried == Tried::Write => Fault::NoFolder,
+        io::ErrorKind::NotFound => Fault::NoFile,
+        kind => Fault::Io { kind },
     };
     Error::new(tried, path, fault)
 }
@@ -198,7 +200,7 @@ mod tests {
     fn a_missing_folder_leaves_nothing_behind() {
         let folder = tempfile::tempdir().unwrap();
         let error = write_bytes(&folder.path().join("no/such/model.toml"), b"x", Overwrite::Allow).unwrap_err();
-        assert!(matches!(*error.fault, Fault::Io { kind: io::ErrorKind::NotFound, .. }), "{error}");
+        assert_eq!(*error.fault, Fault::NoFolder);
         assert_eq!(names(folder.path()), [] as [&str; 0]);
     }
 

@@ -80,7 +80,7 @@ fn a_file_that_is_its_own_ancestor_ends_the_walk() {
 #[test]
 fn a_walk_needs_a_start() {
     let error = trace(Path::new("no/such/controller.toml")).unwrap_err();
-    assert!(matches!(*error.fault, Fault::Io { kind: std::io::ErrorKind::NotFound, .. }));
+    assert_eq!(*error.fault, Fault::NoFile);
 }
 
 #[test]
@@ -92,4 +92,15 @@ fn any_version_is_walked_through() {
     let steps = trace(&last).unwrap();
     assert_eq!((steps[1].schema.as_deref(), steps[1].state), (Some("flexbeam.model/7"), State::Changed));
     assert_eq!(steps[2].generation, 2);
+}
+
+#[test]
+fn a_file_tells_what_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, recording, model, _] = chain(folder.path());
+    assert_eq!(schema_of(&rig).unwrap().as_deref(), Some(Rig::SCHEMA));
+    assert_eq!(schema_of(&model).unwrap().as_deref(), Some(Model::SCHEMA));
+    assert_eq!(schema_of(&recording).unwrap(), None);
+    fs::write(&rig, "schema = \"flexbeam.rig/1\"\nx = \n").unwrap();
+    assert!(matches!(*schema_of(&rig).unwrap_err().fault, Fault::Syntax { .. }));
 }

@@ -236,7 +236,7 @@ proptest! {
     ) {
         let samples = values.len() / 2;
         let data = Mat::from_column_slice(2, samples, &values[..2 * samples]);
-        let names: Vec<String> = vec!["u_v".into(), "y, filtered".into()];
+        let names: Vec<String> = vec!["u_v".into(), "y; filtered, twice".into()];
         let signals = Signals::new(names, vec!["v".into(), String::new()], period_s, data).unwrap();
         let read = parse(&csv_text(&signals, None), &Layout { columns: None, period_s: Some(period_s) }).unwrap();
         prop_assert_eq!(&read.signals.names, &signals.names);
