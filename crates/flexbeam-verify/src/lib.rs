@@ -4,6 +4,7 @@
 //! recomputed one, and a verdict.
 //! Deliberately absent: any import of design or identification; files.
 
+mod beam;
 mod bound;
 mod error;
 mod feedback;
@@ -14,6 +15,7 @@ mod radius;
 mod response;
 mod sweep;
 
+pub use beam::{BeamPlant, NeglectedMode, OnBeam, TAIL, on_beam, worst_neglected_mode};
 pub use bound::{bound_norm, image_shortfall};
 pub use error::Error;
 pub use feedback::{Feedback, Loop};

@@ -5,12 +5,12 @@
 use flexbeam_lti::C64;
 use std::f64::consts::PI;
 
-/// Ratio of the distances of successive points from a pole: the next point is always nearer than the pole.
-const SPREAD: f64 = 1.5;
+/// Ratio of the distances of successive points from a pole: the next point is no farther than the pole.
+const SPREAD: f64 = 2.0;
 /// Points nearer to each other than this [rad] are one.
 const DISTINCT: f64 = 1e-14;
 
-/// Angles in [lowest, pi] on the circle, each interval shorter than its distance to the nearest of the poles.
+/// Angles in [lowest, pi] on the circle, no interval longer than its distance to the nearest of the poles.
 pub(crate) fn angles(poles: &[C64], radius: f64, lowest: f64) -> Vec<f64> {
     let mut angles = vec![lowest, PI];
     let mut around = |centre: f64, distance: f64| {
@@ -54,7 +54,11 @@ const GOLDEN: f64 = 1e-9;
 ///
 /// Returns (angle, value); infinite when a value is.
 pub(crate) fn supremum(angles: &[f64], f: impl Fn(f64) -> f64) -> (f64, f64) {
-    let mut samples: Vec<(f64, f64)> = angles.iter().map(|&x| (x, f(x))).collect();
+    supremum_from(angles.iter().map(|&x| (x, f(x))).collect(), f)
+}
+
+/// The same from values that are known already.
+pub(crate) fn supremum_from(mut samples: Vec<(f64, f64)>, f: impl Fn(f64) -> f64) -> (f64, f64) {
     for _ in 0..MOST_HALVINGS {
         let largest = samples.iter().map(|s| s.1).fold(0.0, f64::max);
         let bends = bending(&samples, STRAIGHT * largest, 0.5 * largest);

@@ -2,7 +2,7 @@
 
 mod by_hand;
 
-use by_hand::{TIMING, closed_loop_poles, controller, degree, nominal};
+use by_hand::{TIMING, controller, nominal, sampled_plant};
 use flexbeam_lti::{C64, Mat, StateSpace, Zpk};
 use flexbeam_verify::{Error, Feedback, Loop, Plant, Timing, bound_norm, count, margins, stability_degree};
 
@@ -91,8 +91,8 @@ fn bound_norm_is_the_supremum_of_a_dense_sweep_and_the_hamiltonians() {
         let v = 2e3 * (angle / 2.0).tan();
         (made.feedback.at(z).0 / (gain + 1.0) * alpha.at(C64::new(0.0, v))).norm()
     };
-    let swept = dense(200_000, W);
-    assert!(swept <= found.value * (1.0 + 1e-12) && found.value < swept * (1.0 + 1e-6), "{swept} {found:?}");
+    let swept = dense(30_000, W);
+    assert!(swept <= found.value * (1.0 + 1e-12) && found.value < swept * (1.0 + 1e-5), "{swept} {found:?}");
     assert!((W(found.omega_rad_s * 1e-3) / found.value - 1.0).abs() < 1e-9);
     let hamiltonian = hamiltonian_norm(&made.controller, &alpha, beta);
     assert!((found.value / hamiltonian - 1.0).abs() < 1e-8, "{} {hamiltonian}", found.value);
@@ -102,7 +102,7 @@ fn bound_norm_is_the_supremum_of_a_dense_sweep_and_the_hamiltonians() {
 fn hamiltonian_norm(controller: &StateSpace, alpha: &Zpk, beta: f64) -> f64 {
     use flexbeam_lti::{Time, connections, norm, sampling};
     let K = closed_over_applied(controller);
-    let W = connections::feedback(&K, &by_hand::sampled_plant(TIMING)).unwrap();
+    let W = connections::feedback(&K, &sampled_plant(TIMING)).unwrap();
     let in_w = sampling::to_w(&W.shifted(beta)).unwrap();
     let weight = alpha.to_state_space(Time::Continuous).unwrap();
     norm::hinf_norm(&connections::series(&in_w, &weight).unwrap()).unwrap().norm
@@ -134,11 +134,11 @@ fn margins_are_where_a_perturbed_loop_loses_its_stability() {
     assert_eq!(beyond(1.0, delay_s * (1.0 - 1e-3)), 0);
     assert_eq!(beyond(1.0, delay_s * (1.0 + 1e-3)), 2);
     // Disk: gains between (2 - d)/(2 + d) and its inverse are survived, and it is reached at some angle by a dense sweep.
-    let swept = dense(200_000, |angle| {
+    let swept = dense(30_000, |angle| {
         let (gain, _) = L.gain(C64::from_polar(1.0, angle));
         ((1.0 - gain) / (1.0 + gain)).norm()
     });
-    assert!((margins.disk * swept / 2.0 - 1.0).abs() < 1e-6, "{} {swept}", margins.disk);
+    assert!((margins.disk * swept / 2.0 - 1.0).abs() < 1e-5, "{} {swept}", margins.disk);
     assert!(margins.disk < 2.0 * (margins.phase_rad / 2.0).tan());
     assert!(margins.disk < 2.0 * (margins.gain - 1.0) / (margins.gain + 1.0));
 }
@@ -175,4 +175,22 @@ fn what_is_no_controller_is_refused() {
     assert!(matches!(Loop::new(&other, &made.feedback), Err(Error::Setting { .. })));
     assert!(matches!(Plant::new(&nominal(), Timing { low_pass: 0.0, ..TIMING }), Err(Error::Setting { .. })));
     assert!(matches!(Feedback::new(&nominal()), Err(Error::Shape { .. })));
+}
+
+/// The loop as one matrix: its eigenvalues are what the counts must find.
+fn closed_loop_poles(timing: Timing, controller: &StateSpace) -> Vec<C64> {
+    let (plant, n) = (sampled_plant(timing), controller.order());
+    let (N, C_u) = (plant.order(), controller.C.rows(0, 1));
+    let through = controller.D[(0, 1)];
+    let [y, applied] = [1, 2].map(|k| controller.B.columns(k, 1).into_owned());
+    let mut A = Mat::zeros(N + n, N + n);
+    A.view_mut((0, 0), (N, N)).copy_from(&(&plant.A + &plant.B * through * &plant.C));
+    A.view_mut((0, N), (N, n)).copy_from(&(&plant.B * C_u));
+    A.view_mut((N, 0), (n, N)).copy_from(&((y + &applied * through) * &plant.C));
+    A.view_mut((N, N), (n, n)).copy_from(&(&controller.A + applied * C_u));
+    StateSpace::new(A, Mat::zeros(N + n, 0), Mat::zeros(0, N + n), Mat::zeros(0, 0), plant.time).unwrap().poles()
+}
+
+fn degree(poles: &[C64], period_s: f64) -> f64 {
+    -poles.iter().map(|z| z.norm()).fold(0.0, f64::max).ln() / period_s
 }

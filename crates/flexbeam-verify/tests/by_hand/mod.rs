@@ -1,6 +1,6 @@
 //! A controller made by hand on (18): a sampled observer with state feedback, in the kernel's form.
 
-use flexbeam_lti::{C64, Mat, StateSpace, Time, connections, sampling};
+use flexbeam_lti::{Mat, StateSpace, Time, connections, sampling};
 use flexbeam_rig::{Lumped, Output};
 use flexbeam_verify::Timing;
 
@@ -65,22 +65,4 @@ fn stiffness(plant: &StateSpace, F: &Mat, H: &Mat) -> f64 {
     let n = plant.order();
     let M = Mat::identity(n, n) - &plant.A + H * &plant.C + &plant.B * F;
     (F * M.lu().solve(H).unwrap())[(0, 0)]
-}
-
-/// The loop as one matrix: its eigenvalues are what the counts must find.
-pub fn closed_loop_poles(timing: Timing, controller: &StateSpace) -> Vec<C64> {
-    let (plant, n) = (sampled_plant(timing), controller.order());
-    let (N, C_u) = (plant.order(), controller.C.rows(0, 1));
-    let through = controller.D[(0, 1)];
-    let [y, applied] = [1, 2].map(|k| controller.B.columns(k, 1).into_owned());
-    let mut A = Mat::zeros(N + n, N + n);
-    A.view_mut((0, 0), (N, N)).copy_from(&(&plant.A + &plant.B * through * &plant.C));
-    A.view_mut((0, N), (N, n)).copy_from(&(&plant.B * C_u));
-    A.view_mut((N, 0), (n, N)).copy_from(&((y + &applied * through) * &plant.C));
-    A.view_mut((N, N), (n, n)).copy_from(&(&controller.A + applied * C_u));
-    StateSpace::new(A, Mat::zeros(N + n, 0), Mat::zeros(0, N + n), Mat::zeros(0, 0), plant.time).unwrap().poles()
-}
-
-pub fn degree(poles: &[C64], period_s: f64) -> f64 {
-    -poles.iter().map(|z| z.norm()).fold(0.0, f64::max).ln() / period_s
 }
