@@ -145,7 +145,7 @@ fn bode() -> Figure {
             Panel::new("Magnitude [dB]")
                 .y_scale(Scale::Decibels)
                 .share(1.6)
-                .band("|G₀| ± |α|", &w, &lower, &upper)
+                .with(Series::band("|G₀| ± |α|", &w, &lower, &upper).colour(Colour::Grey))
                 .line("G₀ (18)", &w, &g0)
                 .with(Series::line("identified", &w, &of(&w, |w| gain(w) + 0.3)).dash(Dash::Dashed))
                 .with(Series::line("distributed beam", &w, &of(&w, beam)).width(1.2))

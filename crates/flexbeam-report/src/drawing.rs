@@ -2,10 +2,11 @@
 
 use crate::figure::{Figure, Mark};
 use crate::layout::{LABEL, LEGEND, LINE_HEIGHT, Layout, MARK, Placed, Rect, SAMPLE_GAP, TICK, TICK_LENGTH, TITLE};
+use crate::placement::{Room, line_of, shaded};
 use crate::scale::Scale;
 use crate::series::{Colour, Dash, Marker, Series, Shape, stairs, thinned, unbroken};
 use crate::svg::{Svg, polyline, px};
-use crate::typeface::{FAMILIES, SCRIPT_SIZE, Weight, runs, width};
+use crate::typeface::{FAMILIES, SCRIPT_SIZE, Weight, runs};
 
 const PAPER: &str = "#ffffff";
 const TEXT: &str = "#262626";
@@ -14,6 +15,7 @@ const GRID: &str = "#e3e3e0";
 const FINE_GRID: &str = "#f1f1ef";
 const TINT: &str = "#b9c6d6";
 const REFERENCE: &str = "#6b6b6b";
+const WORDS: &str = "#4a4a4a";
 /// Half the height of a marker [px].
 const MARKER: f64 = 3.4;
 
@@ -223,22 +225,17 @@ impl Ink {
 
     /// Names of lines and regions, and notes, where they cover least.
     fn words(&mut self, placed: &Placed, drawn: Vec<Points>) {
-        let lines = placed.panel.marks.iter().filter_map(|mark| line_of(placed, mark)).map(|ends| ends.to_vec());
-        let covered = drawn.into_iter().chain(lines).flat_map(|p| sampled(&p)).collect();
-        let mut room = Room { frame: placed.frame, covered, taken: vec![] };
+        if placed.panel.marks.is_empty() {
+            return;
+        }
+        let mut room = Room::beside(placed, drawn);
         for mark in &placed.panel.marks {
-            let (text, places) = match mark {
-                Mark::Vertical { x, name } => (name, along_vertical(placed, *x, name)),
-                Mark::Horizontal { y, name } => (name, along_horizontal(placed, *y, name)),
-                Mark::Shade { from, to, name } => (name, inside_shade(placed, *from, *to, name)),
-                Mark::Note { x, y, text } => (text, around_point(placed, *x, *y, text)),
-            };
-            if let Some(best) = room.best(&places).filter(|_| !text.is_empty()) {
+            if let Some(place) = room.take(placed, mark) {
                 let upwards = matches!(mark, Mark::Vertical { .. });
-                let base = if upwards { (best.right() - 3.5, best.bottom()) } else { (best.x, best.bottom() - 3.5) };
-                let style = Style { upwards, halo: true, fill: "#4a4a4a", ..Style::of(MARK, Anchor::Start) };
-                self.text(text, base, style);
-                room.taken.push(best);
+                let base =
+                    if upwards { (place.right() - 3.5, place.bottom()) } else { (place.x, place.bottom() - 3.5) };
+                let style = Style { upwards, halo: true, fill: WORDS, ..Style::of(MARK, Anchor::Start) };
+                self.text(mark.words(), base, style);
             }
         }
     }
@@ -361,33 +358,6 @@ fn level(y: f64, frame: &Rect) -> String {
     format!("M{},{}H{}", px(frame.x), px(y), px(frame.right()))
 }
 
-/// Ends of a reference line [px].
-fn line_of(placed: &Placed, mark: &Mark) -> Option<[(f64, f64); 2]> {
-    let frame = placed.frame;
-    match mark {
-        Mark::Vertical { x, .. } if inside(placed.x.place(*x)) => {
-            let across = placed.at(*x, placed.y.low()).0;
-            Some([(across, frame.bottom()), (across, frame.y)])
-        }
-        Mark::Horizontal { y, .. } if inside(placed.y.place(*y)) => {
-            let up = placed.at(placed.x.low(), *y).1;
-            Some([(frame.x, up), (frame.right(), up)])
-        }
-        _ => None,
-    }
-}
-
-fn inside(place: f64) -> bool {
-    (0.0..=1.0).contains(&place)
-}
-
-/// The visible part of a shaded region [px].
-fn shaded(placed: &Placed, from: f64, to: f64) -> Option<(f64, f64)> {
-    let (a, b) = (placed.at(from, placed.y.low()).0, placed.at(to, placed.y.low()).0);
-    let (left, right) = (a.min(b).max(placed.frame.x), a.max(b).min(placed.frame.right()));
-    (right > left).then_some((left, right))
-}
-
 fn sign((x, y): (f64, f64), marker: Marker) -> String {
     let r = MARKER;
     let (left, up) = (px(x - r), px(y - r));
@@ -407,85 +377,4 @@ fn apart(points: &[(f64, f64)]) -> Points {
     let cell = |v: f64| (2.0 * v).round() as i64;
     let mut seen = std::collections::HashSet::new();
     points.iter().filter(|(x, y)| seen.insert((cell(*x), cell(*y)))).copied().collect()
-}
-
-/// Points every few pixels along a polyline.
-fn sampled(points: &[(f64, f64)]) -> Points {
-    const EVERY: f64 = 4.0;
-    const MOST: f64 = 400.0;
-    let between = |pair: &[(f64, f64)]| {
-        let (a, b) = (pair[0], pair[1]);
-        let count = ((b.0 - a.0).hypot(b.1 - a.1) / EVERY).ceil().clamp(1.0, MOST) as usize;
-        (0..count).map(move |k| k as f64 / count as f64).map(move |t| (a.0 + t * (b.0 - a.0), a.1 + t * (b.1 - a.1)))
-    };
-    points.windows(2).flat_map(between).chain(points.last().copied()).collect()
-}
-
-/// What is free in a panel.
-struct Room {
-    frame: Rect,
-    covered: Points,
-    taken: Vec<Rect>,
-}
-
-impl Room {
-    /// The first place of those that cover least: nothing outside the frame, no other words, few data.
-    fn best(&self, places: &[Rect]) -> Option<Rect> {
-        const WORDS: usize = 1_000_000;
-        let cost = |place: &Rect| {
-            let words = self.taken.iter().filter(|other| other.overlaps(place)).count();
-            words * WORDS + self.covered.iter().filter(|p| place.holds(**p)).count()
-        };
-        places.iter().filter(|place| self.frame.encloses(place)).min_by_key(|place| cost(place)).copied()
-    }
-}
-
-const WORD_HEIGHT: f64 = MARK + 3.0;
-
-fn along_vertical(placed: &Placed, x: f64, name: &str) -> Vec<Rect> {
-    let (frame, length) = (placed.frame, width(name, MARK, Weight::Regular));
-    let across = placed.x.place(x);
-    if !inside(across) {
-        return vec![];
-    }
-    let line = frame.x + across * frame.width;
-    let ends = [frame.y + 4.0, frame.bottom() - length - 6.0, frame.y + (frame.height - length) / 2.0];
-    let sides = [line + 2.0, line - 2.0 - WORD_HEIGHT];
-    let place = |y: f64| sides.map(|x| Rect { x, y, width: WORD_HEIGHT, height: length });
-    ends.into_iter().flat_map(place).collect()
-}
-
-fn along_horizontal(placed: &Placed, y: f64, name: &str) -> Vec<Rect> {
-    let (frame, length) = (placed.frame, width(name, MARK, Weight::Regular));
-    let up = placed.y.place(y);
-    if !inside(up) {
-        return vec![];
-    }
-    let line = frame.bottom() - up * frame.height;
-    let ends = [frame.right() - length - 6.0, frame.x + 6.0, frame.x + (frame.width - length) / 2.0];
-    let sides = [line - WORD_HEIGHT - 1.0, line + 2.0];
-    let place = |x: f64| sides.map(|y| Rect { x, y, width: length, height: WORD_HEIGHT });
-    ends.into_iter().flat_map(place).collect()
-}
-
-fn inside_shade(placed: &Placed, from: f64, to: f64, name: &str) -> Vec<Rect> {
-    let (frame, length) = (placed.frame, width(name, MARK, Weight::Regular));
-    let Some((left, right)) = shaded(placed, from, to) else { return vec![] };
-    let middle = ((left + right - length) / 2.0).clamp(frame.x, (frame.right() - length).max(frame.x));
-    let levels = [frame.y + 3.0, frame.bottom() - WORD_HEIGHT - 3.0, frame.y + 3.0 + WORD_HEIGHT];
-    levels.map(|y| Rect { x: middle, y, width: length, height: WORD_HEIGHT }).to_vec()
-}
-
-fn around_point(placed: &Placed, x: f64, y: f64, text: &str) -> Vec<Rect> {
-    const BESIDE: f64 = 7.0;
-    let (at, length) = (placed.at(x, y), width(text, MARK, Weight::Regular));
-    if at.0.is_nan() || at.1.is_nan() {
-        return vec![];
-    }
-    let (right, left, middle) = (at.0 + BESIDE, at.0 - BESIDE - length, at.0 - length / 2.0);
-    let (above, below, beside) = (at.1 - WORD_HEIGHT - 2.0, at.1 + 2.0, at.1 - WORD_HEIGHT / 2.0);
-    let corners = [(right, above), (right, below), (left, above), (left, below), (right, beside), (left, beside)];
-    let stacked = [(middle, above - 4.0), (middle, below + 4.0)];
-    let places = corners.into_iter().chain(stacked);
-    places.map(|(x, y)| Rect { x, y, width: length, height: WORD_HEIGHT }).collect()
 }

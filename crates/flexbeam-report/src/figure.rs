@@ -40,6 +40,16 @@ pub(crate) enum Mark {
     Note { x: f64, y: f64, text: String },
 }
 
+impl Mark {
+    /// What is written beside it.
+    pub(crate) fn words(&self) -> &str {
+        match self {
+            Mark::Vertical { name, .. } | Mark::Horizontal { name, .. } | Mark::Shade { name, .. } => name,
+            Mark::Note { text, .. } => text,
+        }
+    }
+}
+
 /// Size of a figure [px] that nobody chose: 16:9, readable across a page.
 const SIZE: (f64, f64) = (800.0, 450.0);
 /// Smallest size [px] at which labels still find room.

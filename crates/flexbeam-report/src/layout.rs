@@ -142,13 +142,14 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// Names in the order of appearance, each with its colour; chosen colours are not dealt out again.
+/// Names, each with its colour: lines first, in the order of appearance, then bands. Chosen colours are not dealt out.
 fn colours(figure: &Figure) -> Vec<(&str, Colour)> {
     let series = || figure.panels.iter().flat_map(|panel| &panel.series).filter(|s| !s.name.is_empty());
     let chosen: Vec<Colour> = series().filter_map(|s| s.colour).collect();
     let mut free = Colour::PALETTE.iter().copied().filter(|c| !chosen.contains(c)).collect::<Vec<_>>().into_iter();
     let mut colours: Vec<(&str, Colour)> = vec![];
-    for s in series() {
+    let is_band = |s: &&Series| matches!(s.shape, Shape::Band { .. });
+    for s in series().filter(|s| !is_band(s)).chain(series().filter(is_band)) {
         if colours.iter().all(|(name, _)| *name != s.name) {
             let own = series().filter(|t| t.name == s.name).find_map(|t| t.colour);
             let dealt = own.or_else(|| free.next()).unwrap_or(Colour::PALETTE[colours.len() % Colour::PALETTE.len()]);

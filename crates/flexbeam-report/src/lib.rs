@@ -18,6 +18,7 @@ mod figure;
 mod html;
 mod layout;
 mod number;
+mod placement;
 mod png;
 mod scale;
 mod series;
