@@ -6,7 +6,8 @@ use crate::blocks::{beside, blocks, diagonal, stack};
 use crate::state_space::expect_shape;
 use crate::{Error, Mat, StateSpace};
 
-/// Smallest ratio of singular values at which I + D_G D_K, or D, counts as regular: below it the answer has no digit.
+/// Least singular value, relative to the size of the terms, with which I + D_K D_G or D counts as regular: below it the
+/// answer has no digit.
 const REGULAR: f64 = 16.0 * f64::EPSILON;
 
 /// second(s) first(s): `first`'s outputs drive `second`'s inputs.
@@ -45,7 +46,7 @@ pub fn feedback(G: &StateSpace, K: &StateSpace) -> Result<StateSpace, Error> {
     let singular = |reciprocal_condition| Error::AlgebraicLoop { reciprocal_condition };
     // e = u - K y at the input of G: (I + D_K D_G) e = u - D_K C_G x_G - C_K x_K.
     let drive = beside(&beside(&(-&K.D * &G.C), &-&K.C), &Mat::identity(G.inputs(), G.inputs()));
-    let e = regular_solve(&loop_gain, &drive).map_err(singular)?;
+    let e = regular_solve(&loop_gain, 1.0 + (&K.D * &G.D).norm(), &drive).map_err(singular)?;
     let (states, m) = (G.order() + K.order(), G.inputs());
     let (e_x, e_u) = (e.columns(0, states).into_owned(), e.columns(states, m).into_owned());
     let open = diagonal(&G.A, &K.A);
@@ -67,7 +68,7 @@ pub fn inverse(G: &StateSpace) -> Result<StateSpace, Error> {
     let m = G.inputs();
     let singular = |reciprocal_condition| Error::SingularFeedthrough { reciprocal_condition };
     // u = D^-1 (y - C x)
-    let u = regular_solve(&G.D, &beside(&G.C, &Mat::identity(m, m))).map_err(singular)?;
+    let u = regular_solve(&G.D, G.D.norm(), &beside(&G.C, &Mat::identity(m, m))).map_err(singular)?;
     let (DC, D) = (u.columns(0, G.order()).into_owned(), u.columns(G.order(), m).into_owned());
     StateSpace::new(&G.A - &G.B * &DC, &G.B * &D, -DC, D, G.time)
 }
@@ -96,13 +97,12 @@ pub fn select(G: &StateSpace, outputs: &[usize], inputs: &[usize]) -> Result<Sta
     StateSpace::new(G.A.clone(), G.B.select_columns(inputs), G.C.select_rows(outputs), D, G.time)
 }
 
-/// X of M X = R, or the reciprocal condition number of an M without an inverse.
-fn regular_solve(M: &Mat, R: &Mat) -> Result<Mat, f64> {
+/// X of M X = R, or the least singular value of an M that is singular beside the `size` of its terms.
+fn regular_solve(M: &Mat, size: f64, R: &Mat) -> Result<Mat, f64> {
     if M.is_empty() {
         return Ok(R.clone());
     }
-    let sigma = M.singular_values();
-    let reciprocal_condition = if sigma.max() > 0.0 { sigma.min() / sigma.max() } else { 0.0 };
+    let reciprocal_condition = if size > 0.0 { M.singular_values().min() / size } else { 0.0 };
     if !(reciprocal_condition > REGULAR) {
         return Err(reciprocal_condition);
     }

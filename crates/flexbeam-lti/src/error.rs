@@ -76,13 +76,13 @@ pub enum Error {
     /// Feedback whose algebraic loop has no solution.
     #[error("I + D_K D_G is singular (reciprocal condition {reciprocal_condition:.1e}): the loop is not well posed")]
     AlgebraicLoop {
-        /// Smallest over largest singular value.
+        /// Least singular value relative to the size of the terms.
         reciprocal_condition: f64,
     },
     /// An inverse that would not be proper.
     #[error("D is singular (reciprocal condition {reciprocal_condition:.1e}): the inverse is not proper")]
     SingularFeedthrough {
-        /// Smallest over largest singular value.
+        /// Least singular value relative to the size of the terms.
         reciprocal_condition: f64,
     },
     /// A channel that the system does not have.

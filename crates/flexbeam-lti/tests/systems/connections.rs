@@ -47,6 +47,10 @@ fn a_singular_loop_is_refused() {
     let one = StateSpace::static_gain(Mat::from_element(1, 1, 2.0), Time::Continuous).unwrap();
     let minus = StateSpace::static_gain(Mat::from_element(1, 1, -0.5), Time::Continuous).unwrap();
     assert!(matches!(feedback(&one, &minus), Err(Error::AlgebraicLoop { .. })));
+    // 1 + D_K D_G is rounding, not zero.
+    let third = StateSpace { D: Mat::from_element(1, 1, 3.0), ..one.clone() };
+    let almost = StateSpace { D: Mat::from_element(1, 1, -1.0 / 3.0 * (1.0 + 4e-16)), ..minus.clone() };
+    assert!(matches!(feedback(&third, &almost), Err(Error::AlgebraicLoop { .. })));
 }
 
 #[test]
