@@ -1,6 +1,6 @@
 //! Systems made of systems: series, parallel, feedback, inverse, side by side, and a choice of channels.
 //!
-//! Enters: systems on one time axis. Leaves: a system. Absent: cancellation of states (see `zeros::minimal`).
+//! Enters: systems on one time axis. Leaves: a system. Absent: cancellation of states (see `minimal`).
 
 use crate::blocks::{beside, blocks, diagonal, stack};
 use crate::state_space::expect_shape;
