@@ -6,7 +6,7 @@ use crate::placement::{Room, line_of, shaded};
 use crate::scale::Scale;
 use crate::series::{Colour, Dash, Marker, Series, Shape, stairs, thinned, unbroken};
 use crate::svg::{Svg, polyline, px};
-use crate::typeface::{FAMILIES, SCRIPT_SIZE, Weight, runs};
+use crate::typeface::{FAMILIES, SCRIPT_SIZE, Weight, runs, width};
 
 const PAPER: &str = "#ffffff";
 const TEXT: &str = "#262626";
@@ -81,7 +81,7 @@ impl Ink {
             ],
         );
         self.svg.empty("rect", &[("width", &w), ("height", &h), ("fill", PAPER)]);
-        let style = Style { weight: Weight::Bold, ..Style::of(TITLE, Anchor::Start) };
+        let style = Style { weight: Weight::Bold, ..Style::of(title_size(figure), Anchor::Start) };
         self.text(&figure.title, (16.0, 12.0 + TITLE), style);
     }
 
@@ -337,6 +337,13 @@ impl Ink {
     }
 }
 
+/// The size at which the title fits the sheet.
+fn title_size(figure: &Figure) -> f64 {
+    const BESIDE: f64 = 32.0;
+    let needed = width(&figure.title, TITLE, Weight::Bold);
+    TITLE * ((figure.width - BESIDE) / needed.max(1.0)).min(1.0)
+}
+
 /// Runs of one level, each with the attributes that set it.
 fn spans(text: &str, size: f64) -> Vec<(String, Vec<(&'static str, String)>)> {
     let mut rise = 0.0;
@@ -377,4 +384,75 @@ fn apart(points: &[(f64, f64)]) -> Points {
     let cell = |v: f64| (2.0 * v).round() as i64;
     let mut seen = std::collections::HashSet::new();
     points.iter().filter(|(x, y)| seen.insert((cell(*x), cell(*y)))).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Panel;
+    use proptest::prelude::*;
+    use roxmltree::{Document, Node};
+
+    /// The place that a line of text takes: from below the base line to the height of its capitals.
+    fn taken(text: Node) -> Rect {
+        let number = |node: Node, name: &str| node.attribute(name).map(|v| v.parse::<f64>().unwrap());
+        let size = number(text, "font-size").unwrap();
+        let weight = if text.attribute("font-weight").is_some() { Weight::Bold } else { Weight::Regular };
+        let own = |t: Node| number(t.parent().unwrap(), "font-size").unwrap_or(size);
+        let parts = text.descendants().filter(Node::is_text);
+        let length: f64 = parts.map(|t| width(t.text().unwrap(), own(t), weight)).sum();
+        let (x, y) = (number(text, "x").unwrap(), number(text, "y").unwrap());
+        let before = match text.attribute("text-anchor").unwrap() {
+            "start" => 0.0,
+            "middle" => length / 2.0,
+            _ => length,
+        };
+        let (ascent, height) = (0.72 * size, 0.78 * size);
+        match text.attribute("transform") {
+            None => Rect { x: x - before, y: y - ascent, width: length, height },
+            Some(_) => Rect { x: x - ascent, y: y + before - length, width: height, height: length },
+        }
+    }
+
+    fn collision(figure: &Figure) -> Option<String> {
+        let svg = svg(figure);
+        let document = Document::parse(&svg).unwrap();
+        let sheet = Rect { x: 0.0, y: 0.0, width: figure.width, height: figure.height };
+        let texts: Vec<Node> = document.descendants().filter(|n| n.has_tag_name("text")).collect();
+        let places: Vec<Rect> = texts.iter().map(|t| taken(*t)).collect();
+        let words = |k: usize| texts[k].descendants().filter_map(|t| t.text()).next().unwrap_or("");
+        let outside =
+            (0..texts.len()).find(|k| !sheet.encloses(&places[*k])).map(|k| format!("{:?} outside", words(k)));
+        let pairs = (0..texts.len()).flat_map(|k| (0..k).map(move |i| (k, i)));
+        let mut overlaps = pairs.filter(|(k, i)| places[*k].overlaps(&places[*i]));
+        outside.or_else(|| overlaps.next().map(|(k, i)| format!("{:?} on {:?}", words(k), words(i))))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 96, max_shrink_iters: 300, ..ProptestConfig::default() })]
+
+        #[test]
+        fn words_stay_on_the_sheet_and_off_one_another(
+            size in (480.0f64..1000.0, 400.0f64..800.0),
+            panels in prop::collection::vec((0.0f64..10.0, -8i32..8, -5.0f64..5.0, any::<bool>(), 1usize..5), 1..4),
+            x in (-3i32..3, any::<bool>()),
+            title in 0usize..90,
+        ) {
+            let t: Vec<f64> = (0..50).map(|k| f64::from(k + 1) / 50.0 * 10f64.powi(x.0)).collect();
+            let scale = if x.1 { Scale::Log } else { Scale::Linear };
+            let mut figure = Figure::new(&"title ".repeat(title / 6), "Time [s]").x_scale(scale).size(size.0, size.1);
+            for (span, exponent, offset, log, count) in panels {
+                let mut panel = Panel::new("Deflection angle α [deg]").vertical(t[20], "mode 1").horizontal(0.0, "zero");
+                if log {
+                    panel = panel.log_y();
+                }
+                for k in 0..count {
+                    let value = |t: &f64| 10f64.powi(exponent) * (offset + span * (7.0 * t + k as f64).sin());
+                    panel = panel.line(&format!("series {k}"), &t, &t.iter().map(value).collect::<Vec<_>>());
+                }
+                figure = figure.panel(panel);
+            }
+            prop_assert_eq!(collision(&figure), None);
+        }
+    }
 }

@@ -98,7 +98,8 @@ impl<'a> Layout<'a> {
     pub(crate) fn of(figure: &'a Figure) -> Layout<'a> {
         let axes: Vec<(Axis, Axis)> = axes(figure);
         let legends = legends(figure);
-        let heights = panel_heights(figure, &legends);
+        let above: Vec<f64> = axes.iter().zip(&legends).map(|((_, y), l)| above_panel(y, l, figure.width)).collect();
+        let heights = panel_heights(figure, &above);
         let y_ticks: Vec<Ticks> = axes.iter().zip(&heights).map(|((_, y), h)| y.ticks(most_upwards(*h))).collect();
         let labels: Vec<_> =
             figure.panels.iter().zip(&heights).map(|(p, h)| lines(&p.y_label, h + PANEL_GAP)).collect();
@@ -109,8 +110,8 @@ impl<'a> Layout<'a> {
         let mut panels = vec![];
         for (k, panel) in figure.panels.iter().enumerate() {
             let rows = legend_rows(&legends[k], figure.width);
-            let (first_base, above) = (top + LEGEND, rows.len() as f64 * LEGEND_ROW);
-            let frame = Rect { x: left, y: top + above, width: figure.width - left - right, height: heights[k] };
+            let first_base = top + LEGEND;
+            let frame = Rect { x: left, y: top + above[k], width: figure.width - left - right, height: heights[k] };
             let (x, y) = if figure.equal_aspect && figure.panels.len() == 1 { equal(axes[k], &frame) } else { axes[k] };
             panels.push(Placed {
                 panel,
@@ -265,12 +266,18 @@ fn lines(label: &str, room: f64) -> Vec<String> {
     lines
 }
 
-fn panel_heights(figure: &Figure, legends: &[Vec<Vec<&Series>>]) -> Vec<f64> {
+/// Height that the legend, or the exponent of the y axis, needs above a panel.
+fn above_panel(y: &Axis, legend: &[Vec<&Series>], sheet: f64) -> f64 {
+    const TYPICAL_TICKS: usize = 6;
+    let exponent = if y.ticks(TYPICAL_TICKS).exponent == 0 { 0.0 } else { LINE_HEIGHT };
+    exponent.max(legend_rows(legend, sheet).len() as f64 * LEGEND_ROW)
+}
+
+fn panel_heights(figure: &Figure, above: &[f64]) -> Vec<f64> {
     const SMALLEST: f64 = 20.0;
-    let rows: usize = legends.iter().map(|entries| legend_rows(entries, figure.width).len()).sum();
     let below = EDGE + TICK_LENGTH + LINE_HEIGHT + if figure.x_label.is_empty() { 0.0 } else { LINE_HEIGHT + 6.0 };
     let gaps = figure.panels.len().saturating_sub(1) as f64 * PANEL_GAP;
-    let room = figure.height - top(figure) - below - gaps - rows as f64 * LEGEND_ROW;
+    let room = figure.height - top(figure) - below - gaps - above.iter().sum::<f64>();
     let shares: f64 = figure.panels.iter().map(|p| p.share).sum();
     figure.panels.iter().map(|p| (room * p.share / shares).max(SMALLEST)).collect()
 }
