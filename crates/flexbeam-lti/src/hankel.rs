@@ -4,6 +4,7 @@
 //! Deliberately absent: optimal Hankel-norm approximation.
 
 use crate::gramian::{controllability_factor, observability_factor};
+use crate::sampling::to_w;
 use crate::split::{expect_no_boundary_pole, is_stable};
 use crate::{Error, Mat, StateSpace, Time};
 
@@ -27,6 +28,21 @@ pub fn hankel_singular_values(G: &StateSpace) -> Result<Vec<f64>, Error> {
 ///
 /// Errors: [`Error::WrongSide`], [`Error::BoundaryPole`] for a pole that is not antistable; those of [`controllability_factor`].
 /// Source: Glover 1986.
+///
+/// ```
+/// use flexbeam_lti::{Mat, StateSpace, Time, hankel::antistable_hankel_singular_values, split::stable_antistable};
+/// // The paper's plant (18), voltage to tip angle, on the axis shifted by 12: DESIGN section 6.
+/// let A = Mat::from_row_slice(4, 4, &[
+///     0.0, 0.0, 1.0, 0.0,  0.0, 0.0, 0.0, 1.0,  0.0, 1060.8, -57.7, 0.0,  0.0, -1465.2, 57.7, 0.0,
+/// ]);
+/// let B = Mat::from_column_slice(4, 1, &[0.0, 0.0, 107.39, -107.39]);
+/// let C = Mat::from_row_slice(1, 4, &[1.0, 1.0, 0.0, 0.0]);
+/// let plant = StateSpace::new(A, B, C, Mat::zeros(1, 1), Time::Continuous)?;
+/// let (_, antistable) = stable_antistable(&plant.shifted(12.0))?;
+/// let radius = antistable_hankel_singular_values(&antistable)?[2];
+/// assert!((radius - 0.0709455).abs() < 1e-7);
+/// # Ok::<(), flexbeam_lti::Error>(())
+/// ```
 pub fn antistable_hankel_singular_values(G: &StateSpace) -> Result<Vec<f64>, Error> {
     let poles = expect_no_boundary_pole(G)?;
     if let Some(p) = poles.iter().find(|p| is_stable(**p, G.time)) {
@@ -35,20 +51,13 @@ pub fn antistable_hankel_singular_values(G: &StateSpace) -> Result<Vec<f64>, Err
     hankel_singular_values(&mirrored(G)?)
 }
 
-/// G(-s), or G(1/z) without its direct term, which Hankel singular values do not see.
+/// G(-s) without D, which Hankel singular values do not see; a sampled system in the w-plane, which keeps them.
 fn mirrored(G: &StateSpace) -> Result<StateSpace, Error> {
-    let D = Mat::zeros(G.outputs(), G.inputs());
-    let time = G.time;
-    if let Time::Continuous = time {
-        return StateSpace::new(-&G.A, -&G.B, G.C.clone(), D, time);
-    }
-    // C (I/z - A)^-1 B = -C A^-1 (z I - A^-1)^-1 A^-1 B - C A^-1 B; A is invertible: all |z| > 1.
-    let lu = G.A.clone().lu();
-    let solved = |M: &Mat| lu.solve(M).expect("an antistable sampled system has no pole at 0");
-    let A = solved(&Mat::identity(G.order(), G.order()));
-    let B = solved(&G.B);
-    let C = -&G.C * &A;
-    StateSpace::new(A, B, C, D, time)
+    let W = match G.time {
+        Time::Continuous => G.clone(),
+        Time::Sampled { .. } => to_w(G)?,
+    };
+    StateSpace::new(-W.A, -W.B, W.C, Mat::zeros(G.outputs(), G.inputs()), Time::Continuous)
 }
 
 #[cfg(test)]

@@ -57,7 +57,8 @@ impl Schur {
 /// Source: Francis 1961; Bai and Demmel 1993 for the order.
 pub fn ordered_schur(A: &Mat, first: impl Fn(C64) -> bool) -> Result<OrderedSchur, Error> {
     let mut form = real_schur(A)?;
-    let blocks: Vec<_> = diagonal_blocks(&form.T).map(|(k, size)| (size, first(upper_eigenvalue(&form.T, k, size)))).collect();
+    let blocks: Vec<_> =
+        diagonal_blocks(&form.T).map(|(k, size)| (size, first(upper_eigenvalue(&form.T, k, size)))).collect();
     let leading = gather(&mut form, blocks)?;
     Ok(OrderedSchur { T: form.T, Q: form.Q, leading })
 }
@@ -114,7 +115,7 @@ pub fn eigenvalues(T: &Mat) -> Vec<C64> {
 /// Numerics: the error of each is eps times its condition times the norm of the balanced matrix.
 pub fn spectrum(A: &Mat) -> Result<Vec<C64>, Error> {
     expect_square(A)?;
-    Ok(eigenvalues(&francis::real_schur(&balanced(A).0)?.T))
+    Ok(eigenvalues(&francis::eigenvalue_blocks(&balanced(A).0)?))
 }
 
 fn upper_eigenvalue(T: &Mat, k: usize, size: usize) -> C64 {

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use super::Schur;
 use super::rotation::standardise;
 use crate::{Error, Mat};
@@ -15,6 +17,26 @@ const TINY: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 /// Differs from nalgebra's: exceptional shifts, that deflation rule, standard 2 x 2 blocks.
 pub(super) fn real_schur(A: &Mat) -> Result<Schur, Error> {
     let mut form = hessenberg(A);
+    iterate(&mut form, Wanted::Form)?;
+    Ok(form)
+}
+
+/// A matrix with the diagonal blocks of the real Schur form of A, the rest of it unfinished: a third of the work.
+pub(super) fn eigenvalue_blocks(A: &Mat) -> Result<Mat, Error> {
+    let mut form = hessenberg(A);
+    form.Q = Mat::zeros(0, A.nrows());
+    iterate(&mut form, Wanted::Eigenvalues)?;
+    Ok(form.T)
+}
+
+/// How far a sweep has to carry its reflections.
+#[derive(Clone, Copy, PartialEq)]
+enum Wanted {
+    Form,
+    Eigenvalues,
+}
+
+fn iterate(form: &mut Schur, wanted: Wanted) -> Result<(), Error> {
     let mut end = form.T.nrows();
     let mut sweeps = 0;
     while end > 1 {
@@ -22,18 +44,18 @@ pub(super) fn real_schur(A: &Mat) -> Result<Schur, Error> {
         match end - start {
             1 => (end, sweeps) = (end - 1, 0),
             2 => {
-                standardise(&mut form, start);
+                standardise(form, start);
                 (end, sweeps) = (start, 0);
             }
             _ if sweeps == SWEEPS => return Err(Error::NotConverged { what: "QR iteration", iterations: SWEEPS }),
             _ => {
                 sweeps += 1;
                 let shifts = Shifts::new(&form.T, start, end, sweeps);
-                sweep(&mut form, start, end, &shifts);
+                sweep(form, start, end, &shifts, wanted);
             }
         }
     }
-    Ok(form)
+    Ok(())
 }
 
 fn hessenberg(A: &Mat) -> Schur {
@@ -130,7 +152,8 @@ impl Shifts {
 }
 
 /// One implicit double-shift sweep over rows start..end, begun at two consecutive small subdiagonals if there are.
-fn sweep(form: &mut Schur, start: usize, end: usize, shifts: &Shifts) {
+fn sweep(form: &mut Schur, start: usize, end: usize, shifts: &Shifts, wanted: Wanted) {
+    let (first_row, last_column) = if wanted == Wanted::Form { (0, form.T.ncols()) } else { (start, end) };
     let (m, column) = sweep_start(&form.T, start, end, shifts);
     for k in m..end - 1 {
         let rows = 3.min(end - k);
@@ -150,7 +173,11 @@ fn sweep(form: &mut Schur, start: usize, end: usize, shifts: &Shifts) {
         } else if m > start {
             form.T[(k, k - 1)] *= 1.0 - tau;
         }
-        reflect(form, k, end, &v[..rows], tau);
+        let rest = first_row..(k + 4).min(end);
+        reflect_rows(&mut form.T, k, k..last_column, &v[..rows], tau);
+        reflect_columns(&mut form.T, k, rest, &v[..rows], tau);
+        let all = 0..form.Q.nrows();
+        reflect_columns(&mut form.Q, k, all, &v[..rows], tau);
     }
 }
 
@@ -184,20 +211,22 @@ fn reflector(x: &[f64]) -> ([f64; 3], f64, f64) {
     (v, (beta - x[0]) / beta, beta)
 }
 
-fn reflect(form: &mut Schur, k: usize, end: usize, v: &[f64], tau: f64) {
-    let n = form.T.nrows();
-    for j in k..n {
-        let sum: f64 = tau * v.iter().enumerate().map(|(i, v)| v * form.T[(k + i, j)]).sum::<f64>();
+/// M <- (I - tau v v') M in the given columns, v starting at row k.
+fn reflect_rows(M: &mut Mat, k: usize, columns: Range<usize>, v: &[f64], tau: f64) {
+    for j in columns {
+        let sum: f64 = tau * v.iter().enumerate().map(|(i, v)| v * M[(k + i, j)]).sum::<f64>();
         for (i, v) in v.iter().enumerate() {
-            form.T[(k + i, j)] -= sum * v;
+            M[(k + i, j)] -= sum * v;
         }
     }
-    for (M, rows) in [(&mut form.T, (k + 4).min(end)), (&mut form.Q, n)] {
-        for i in 0..rows {
-            let sum: f64 = tau * v.iter().enumerate().map(|(j, v)| v * M[(i, k + j)]).sum::<f64>();
-            for (j, v) in v.iter().enumerate() {
-                M[(i, k + j)] -= sum * v;
-            }
+}
+
+/// M <- M (I - tau v v') in the given rows, v starting at column k.
+fn reflect_columns(M: &mut Mat, k: usize, rows: Range<usize>, v: &[f64], tau: f64) {
+    for i in rows {
+        let sum: f64 = tau * v.iter().enumerate().map(|(j, v)| v * M[(i, k + j)]).sum::<f64>();
+        for (j, v) in v.iter().enumerate() {
+            M[(i, k + j)] -= sum * v;
         }
     }
 }

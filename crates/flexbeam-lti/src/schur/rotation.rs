@@ -31,7 +31,7 @@ impl Rotation {
             let (x, y) = (form.T[(i, k)], form.T[(i, k + 1)]);
             (form.T[(i, k)], form.T[(i, k + 1)]) = (c * x + s * y, c * y - s * x);
         }
-        for i in 0..n {
+        for i in 0..form.Q.nrows() {
             let (x, y) = (form.Q[(i, k)], form.Q[(i, k + 1)]);
             (form.Q[(i, k)], form.Q[(i, k + 1)]) = (c * x + s * y, c * y - s * x);
         }
