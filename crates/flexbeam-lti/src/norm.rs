@@ -58,7 +58,7 @@ pub fn linf_norm(G: &StateSpace) -> Result<PeakGain, Error> {
 /// let A = Mat::from_row_slice(2, 2, &[0.0, 1.0, -1.0, -0.02]);
 /// let (B, C) = (Mat::from_column_slice(2, 1, &[0.0, 1.0]), Mat::from_row_slice(1, 2, &[1.0, 0.0]));
 /// let peak = hinf_norm(&StateSpace::new(A, B, C, Mat::zeros(1, 1), Time::Continuous)?)?;
-/// assert!((peak.norm - 50.0025003750625).abs() < 1e-7 && (peak.omega_rad_s - 0.9999).abs() < 1e-6);
+/// assert!((peak.norm - 50.0025001875).abs() < 1e-7 && (peak.omega_rad_s - 0.9999).abs() < 1e-6);
 /// # Ok::<(), flexbeam_lti::Error>(())
 /// ```
 pub fn hinf_norm(G: &StateSpace) -> Result<PeakGain, Error> {
