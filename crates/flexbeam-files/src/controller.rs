@@ -3,7 +3,7 @@
 use crate::certificate::Certificate;
 use crate::document::Document;
 use crate::fault::Fault;
-use crate::matrices::{Matrices, Rows, length};
+use crate::matrices::{Matrices, Rows};
 use crate::misfit::Misfit;
 use crate::model::{Uncertainty, positive};
 use crate::provenance::Provenance;
@@ -147,7 +147,7 @@ impl Design {
             ("reference_den", &self.reference_den),
         ];
         match lists.iter().find(|(_, coefficients)| coefficients.is_empty()) {
-            Some((key, _)) => Err(length(0, 1).under(key)),
+            Some((key, _)) => Err(Misfit::empty(key)),
             None => positive("low_pass", self.low_pass),
         }
     }

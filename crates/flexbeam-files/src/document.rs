@@ -52,7 +52,7 @@ pub trait Document: Serialize + DeserializeOwned {
     ///
     /// Errors: [`Fault::Syntax`], [`Fault::NoSchema`], [`Fault::Schema`], [`Fault::UnknownKey`],
     /// [`Fault::MissingKey`], [`Fault::WrongType`], [`Fault::Choice`], [`Fault::NotFinite`], [`Fault::Shape`],
-    /// [`Fault::Length`], [`Fault::Range`], [`Fault::OneOf`], [`Fault::DuplicateName`].
+    /// [`Fault::Length`], [`Fault::EmptyList`], [`Fault::Range`], [`Fault::OneOf`], [`Fault::DuplicateName`].
     fn parse(text: &str, source: &Path) -> Result<Self, Error> {
         parse(text, source, Tried::Read)
     }

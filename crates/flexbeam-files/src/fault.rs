@@ -191,6 +191,11 @@ pub enum Fault {
         /// Entries needed.
         needed: usize,
     },
+    /// A list that must not be empty.
+    EmptyList {
+        /// The key, with its tables.
+        key: String,
+    },
     /// A file that stands already, with other content.
     Exists,
     /// A folder where a file was meant.
@@ -245,6 +250,7 @@ impl Fault {
             Fault::Range { key, found, .. } => format!("{key} = {found}"),
             Fault::Shape { key, found_rows, found_columns, .. } => format!("{key} is {found_rows} x {found_columns}"),
             Fault::Length { key, found, .. } => format!("{key} has {}", counted(*found, "entry", "")),
+            Fault::EmptyList { key } => format!("nothing in {key}"),
             Fault::Exists => "a file of that name with other content".into(),
             Fault::IsFolder => "a folder".into(),
             Fault::NoFile => "no file of that name".into(),
@@ -283,6 +289,7 @@ impl Fault {
             Fault::Range { needed, .. } => (*needed).into(),
             Fault::Shape { needed_rows, needed_columns, .. } => format!("{needed_rows} x {needed_columns}"),
             Fault::Length { needed, .. } => needed.to_string(),
+            Fault::EmptyList { .. } => "at least one entry".into(),
             Fault::Exists => "a name that is free".into(),
             Fault::IsFolder => "a file".into(),
             Fault::NoFile => "an existing file".into(),
@@ -322,7 +329,7 @@ impl Fault {
             Fault::Syntax { .. } => "words stand in quotes, numbers do not, arrays in [ ] with commas".into(),
             Fault::NoSchema { .. } => "is it the right kind of file? Its first line names the schema".into(),
             Fault::Schema { found, needed } => schema_hint(found, needed),
-            Fault::MissingKey { .. } => "add it, or make the file again".into(),
+            Fault::MissingKey { .. } | Fault::EmptyList { .. } => "add it, or make the file again".into(),
             Fault::OneOf { found: 0, .. } => "add the one that fits".into(),
             Fault::OneOf { .. } => "take one of the two out".into(),
             Fault::WrongType { .. } => "compare with a file that flexbeam wrote".into(),

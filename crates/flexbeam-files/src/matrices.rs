@@ -48,7 +48,7 @@ impl From<&Mat> for Rows {
     }
 }
 
-pub(crate) fn length(found: usize, needed: usize) -> Misfit {
+fn length(found: usize, needed: usize) -> Misfit {
     Misfit::new(Fault::Length { key: String::new(), found, needed })
 }
 

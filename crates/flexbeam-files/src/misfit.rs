@@ -27,6 +27,11 @@ impl Misfit {
         Misfit { path: Vec::new(), offset: None, fault: Box::new(fault) }
     }
 
+    /// Nothing under `key`, where something must be.
+    pub(crate) fn empty(key: &str) -> Misfit {
+        Misfit::new(Fault::EmptyList { key: String::new() }).under(key)
+    }
+
     /// The same, seen from one table further up.
     pub(crate) fn under(mut self, key: &str) -> Misfit {
         self.path.insert(0, Step::Key(key.into()));
@@ -85,6 +90,7 @@ impl Fault {
             | Fault::Choice { key, .. }
             | Fault::Range { key, .. }
             | Fault::Shape { key, .. }
+            | Fault::EmptyList { key }
             | Fault::Length { key, .. } => Some(key),
             _ => None,
         }

@@ -2,7 +2,7 @@
 
 use crate::document::Document;
 use crate::fault::Fault;
-use crate::matrices::{Matrices, Rows, length};
+use crate::matrices::{Matrices, Rows};
 use crate::misfit::Misfit;
 use crate::provenance::Provenance;
 use flexbeam_lti::{StateSpace, Time};
@@ -216,10 +216,9 @@ impl Document for Model {
 
 impl Uncertainty {
     pub(crate) fn check(&self) -> Result<(), Misfit> {
-        let empty = |key| Err(length(0, 1).under(key));
         match (self.num.is_empty(), self.den.is_empty()) {
-            (true, _) => empty("num"),
-            (_, true) => empty("den"),
+            (true, _) => Err(Misfit::empty("num")),
+            (_, true) => Err(Misfit::empty("den")),
             _ if self.beta >= 0.0 => Ok(()),
             _ => Err(out_of_range("beta", self.beta, "zero or a positive number of 1/s")),
         }
@@ -234,10 +233,10 @@ pub(crate) fn positive(key: &str, found: f64) -> Result<(), Misfit> {
     if found > 0.0 { Ok(()) } else { Err(out_of_range(key, found, "a positive number")) }
 }
 
-/// Errors: [`Fault::Length`] without a name, [`Fault::DuplicateName`].
+/// Errors: [`Fault::EmptyList`], [`Fault::DuplicateName`].
 pub(crate) fn check_names(key: &str, names: &[String]) -> Result<(), Misfit> {
     if names.is_empty() {
-        return Err(length(0, 1).under(key));
+        return Err(Misfit::empty(key));
     }
     match (0..names.len()).find(|&k| names[..k].contains(&names[k])) {
         Some(k) => Err(Misfit::new(Fault::DuplicateName { name: names[k].clone() }).in_entry(k).under(key)),

@@ -2,7 +2,6 @@
 
 use crate::document::Document;
 use crate::hash::sha256_hex;
-use crate::matrices::length;
 use crate::misfit::Misfit;
 use crate::model::positive;
 use crate::provenance::Provenance;
@@ -56,6 +55,6 @@ impl Document for Note {
 
     fn check(&self) -> Result<(), Misfit> {
         positive("period_s", self.period_s)?;
-        if self.columns.is_empty() { Err(length(0, 1).under("columns")) } else { Ok(()) }
+        if self.columns.is_empty() { Err(Misfit::empty("columns")) } else { Ok(()) }
     }
 }

@@ -79,7 +79,7 @@ fn shapes_that_do_not_fit() {
         ("C = [[1, 0], [0, 1]]", "C = [[1, 0]]", shape("C", (1, 2), (2, 2)), 11),
         ("D = [[0], [0]]", "D = []", shape("D", (0, 0), (2, 1)), 12),
         ("[0.0, 0.9]", "[0.0]", Fault::Length { key: "A(2)".into(), found: 1, needed: 2 }, 8),
-        ("[\"voltage_v\"]", "[]", Fault::Length { key: "inputs".into(), found: 0, needed: 1 }, 4),
+        ("[\"voltage_v\"]", "[]", Fault::EmptyList { key: "inputs".into() }, 4),
         ("\"alpha_rad\"", "\"theta_rad\"", Fault::DuplicateName { name: "theta_rad".into() }, 5),
     ];
     for (from, to, expected, line) in cases {
