@@ -1,5 +1,6 @@
 //! The design from end to end.
 
+use flexbeam_lti::minimal::minimal;
 use flexbeam_lti::{Mat, StateSpace, Time, connections, sampling};
 
 use crate::closed_loop::LoopFigures;
@@ -107,7 +108,8 @@ pub fn sampled_plant(nominal: &StateSpace, specification: &Specification) -> Res
     let one = |x: f64| Mat::from_element(1, 1, x);
     let time = Time::Sampled { period_s };
     let filter = StateSpace::new(one(1.0 - a), one(a), one(1.0 - a), one(a), time)?;
-    Ok(connections::series(&plant, &filter)?)
+    // The filter's zero at z = 0 takes away one period of the delay.
+    Ok(minimal(&connections::series(&plant, &filter)?))
 }
 
 struct Stabilised {

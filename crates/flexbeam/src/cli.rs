@@ -1,0 +1,311 @@
+//! The command line as types. Names, defaults and units of DESIGN section 10.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Model, identify, design, verify and simulate a robust controller for a flexible beam on a servo motor.
+#[derive(Debug, Parser)]
+#[command(name = "flexbeam", version, max_term_width = 110)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// The paper from end to end on the simulated rig: figures, report, summary
+    Reproduce(Reproduce),
+    /// Excite the rig and record
+    Record(Record),
+    /// Recording -> model
+    Identify(Identify),
+    /// Model -> controller and certificate
+    Design(Design),
+    /// Recompute a controller's certificate by other formulas; Monte Carlo on the simulated rig
+    Verify(Verify),
+    /// Closed loop on the nonlinear rig
+    Simulate(Simulate),
+    /// Experiments on the rig
+    Rig {
+        /// Which experiment.
+        #[command(subcommand)]
+        command: Rig,
+    },
+    /// What a file holds and where it came from
+    Show(Show),
+}
+
+/// `flexbeam reproduce`
+#[derive(Args, Debug)]
+pub struct Reproduce {
+    /// Folder for summary.json, report.html and the figures
+    #[arg(long, default_value = "reproduce")]
+    pub out: PathBuf,
+    /// Seed of excitation and sensor noise
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `flexbeam record`
+#[derive(Args, Debug)]
+pub struct Record {
+    /// The CSV file to write
+    #[arg(short, long, default_value = "recording.csv")]
+    pub out: PathBuf,
+    /// Rig file; the paper's rig by default
+    #[arg(long)]
+    pub rig: Option<PathBuf>,
+    /// Length [s]
+    #[arg(long, default_value_t = 10.0)]
+    pub duration: f64,
+    /// Sample period [s]
+    #[arg(long, default_value_t = 0.001)]
+    pub period: f64,
+    /// Root mean square of the white Gaussian voltage [V]
+    #[arg(long, default_value_t = 2.0)]
+    pub rms: f64,
+    /// The linear lumped rig without friction, quantisation, noise and delay
+    #[arg(long)]
+    pub linear: bool,
+    /// Seed of excitation and sensor noise
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Write over a file that is not of the kind to be written
+    #[arg(long)]
+    pub force: bool,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `flexbeam identify`
+#[derive(Args, Debug)]
+pub struct Identify {
+    /// Recording: CSV with a header, or white-space columns named by --columns
+    pub recording: PathBuf,
+    /// Input columns
+    #[arg(long, value_delimiter = ',', default_value = "voltage_v")]
+    pub inputs: Vec<String>,
+    /// Output columns
+    #[arg(long, value_delimiter = ',', default_value = "theta_rad,alpha_rad")]
+    pub outputs: Vec<String>,
+    /// Names of white-space columns, in order
+    #[arg(long, value_delimiter = ',')]
+    pub columns: Vec<String>,
+    /// Sample period [s], where the file has no time column
+    #[arg(long)]
+    pub period: Option<f64>,
+    /// Block rows i of the Hankel matrices
+    #[arg(long, default_value_t = 20)]
+    pub block_rows: usize,
+    /// Order n, or `auto` for the rule on the singular values
+    #[arg(long, default_value = "auto")]
+    pub order: String,
+    /// Subspace method
+    #[arg(long, value_enum, default_value_t = Method::Auto)]
+    pub method: Method,
+    /// Part of the recording that estimates; the rest validates
+    #[arg(long, default_value_t = 0.5)]
+    pub estimate: f64,
+    /// Remove the means of the estimating part
+    #[arg(long)]
+    pub remove_mean: bool,
+    /// Draw singular values, measured and simulated outputs into this folder
+    #[arg(long)]
+    pub plots: Option<PathBuf>,
+    /// The model file to write
+    #[arg(short, long, default_value = "model.toml")]
+    pub out: PathBuf,
+    /// Write over a file that is not of the kind to be written
+    #[arg(long)]
+    pub force: bool,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Subspace methods.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum Method {
+    /// MOESP weighting; B, D and x0 by least squares on the simulated output
+    Auto,
+    /// Equations (13)-(17) of the paper: exact without noise only
+    Paper,
+    /// N4SID weighting
+    N4sid,
+    /// MOESP weighting
+    Moesp,
+    /// Canonical variate weighting
+    Cva,
+}
+
+/// `flexbeam design`
+#[derive(Args, Debug)]
+pub struct Design {
+    /// Model file
+    pub model: PathBuf,
+    /// Controlled output; psi is theta + alpha unless an output has that name
+    #[arg(long = "output", default_value = "psi")]
+    pub output_name: String,
+    /// beta [1/s]: every closed-loop pole gets a real part below -beta
+    #[arg(long)]
+    pub stability_degree: f64,
+    /// Bound alpha(s) on the neglected dynamics: a number [rad/V], or `beam` to cover the distributed beam
+    #[arg(long, conflicts_with_all = ["uncertainty_num", "uncertainty_den"])]
+    pub uncertainty: Option<String>,
+    /// Numerator of alpha(s) in the shifted plane, highest power first [rad/V]
+    #[arg(long, value_delimiter = ',', requires = "uncertainty_den", allow_negative_numbers = true)]
+    pub uncertainty_num: Vec<f64>,
+    /// Denominator of alpha(s), highest power first
+    #[arg(long, value_delimiter = ',', requires = "uncertainty_num", allow_negative_numbers = true)]
+    pub uncertainty_den: Vec<f64>,
+    /// Answer only whether (22) is solvable
+    #[arg(long)]
+    pub robust_only: bool,
+    /// needed | optimal | integral | K(0) in V/rad
+    #[arg(long, default_value = "needed")]
+    pub stiffness: String,
+    /// Residual voltage v_res that `needed` stiffness answers [V]
+    #[arg(long)]
+    pub residual_voltage: Option<f64>,
+    /// Rise time of the reference model, 10 to 90 percent [s]; as fast as --max-voltage permits by default
+    #[arg(long)]
+    pub rise_time: Option<f64>,
+    /// Overshoot of the reference model [percent]
+    #[arg(long, default_value_t = 0.0)]
+    pub overshoot: f64,
+    /// Numerator of the reference model M(s), highest power first
+    #[arg(long, value_delimiter = ',', requires = "reference_den", conflicts_with_all = ["rise_time"], allow_negative_numbers = true)]
+    pub reference_num: Vec<f64>,
+    /// Denominator of the reference model M(s)
+    #[arg(long, value_delimiter = ',', requires = "reference_num", allow_negative_numbers = true)]
+    pub reference_den: Vec<f64>,
+    /// Voltage that the largest step may take [V]
+    #[arg(long, default_value_t = 10.0)]
+    pub max_voltage: f64,
+    /// Largest step [degree]
+    #[arg(long, default_value_t = 45.0)]
+    pub max_step_deg: f64,
+    /// Sample period [s]
+    #[arg(long, default_value_t = 0.001)]
+    pub period: f64,
+    /// Cut-off of the measurement's low-pass filter [Hz]; none by default
+    #[arg(long)]
+    pub low_pass_hz: Option<f64>,
+    /// The controller file to write
+    #[arg(short, long, default_value = "controller.toml")]
+    pub out: PathBuf,
+    /// Write over a file that is not of the kind to be written
+    #[arg(long)]
+    pub force: bool,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `flexbeam verify`
+#[derive(Args, Debug)]
+pub struct Verify {
+    /// Controller file
+    pub controller: PathBuf,
+    /// Runs of the Monte Carlo on the simulated rig; 0 leaves it out
+    #[arg(long, default_value_t = 1000)]
+    pub runs: usize,
+    /// Seed of the Monte Carlo
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Rig file; the paper's rig by default
+    #[arg(long)]
+    pub rig: Option<PathBuf>,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `flexbeam simulate`
+#[derive(Args, Debug)]
+pub struct Simulate {
+    /// Controller file
+    pub controller: PathBuf,
+    /// Rig file; the paper's rig with three modes by default
+    #[arg(long)]
+    pub rig: Option<PathBuf>,
+    /// Step of the tip angle [degree]
+    #[arg(long, default_value_t = 30.0, allow_negative_numbers = true)]
+    pub step_deg: f64,
+    /// Length [s]
+    #[arg(long, default_value_t = 5.0)]
+    pub duration: f64,
+    /// Variable-structure law; that of the controller file by default
+    #[arg(long, value_enum)]
+    pub law: Option<Law>,
+    /// The nominal linear plant in place of the nonlinear rig
+    #[arg(long)]
+    pub linear: bool,
+    /// Seed of the sensor noise
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Folder for response.csv and the figures
+    #[arg(short, long, default_value = "simulation")]
+    pub out: PathBuf,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Variable-structure laws of DESIGN section 7.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum Law {
+    /// The controller's voltage goes to the rig as it is
+    None,
+    /// Figure 8 of the paper
+    Switched,
+    /// Inverse of the dead zone
+    Inverse,
+}
+
+/// `flexbeam rig`
+#[derive(Debug, Subcommand)]
+pub enum Rig {
+    /// Slow-ramp breakaway test: breakaway voltages, and the thresholds and u_p that follow
+    Test(RigTest),
+}
+
+/// `flexbeam rig test`
+#[derive(Args, Debug)]
+pub struct RigTest {
+    /// Rig file; the paper's rig by default
+    #[arg(long)]
+    pub rig: Option<PathBuf>,
+    /// Slope of the ramp [V/s]
+    #[arg(long, default_value_t = 0.02)]
+    pub slope: f64,
+    /// Highest voltage of the ramp [V]
+    #[arg(long, default_value_t = 0.6)]
+    pub highest: f64,
+    /// Controller file whose law settings are replaced by the ones found
+    #[arg(long)]
+    pub apply_to: Option<PathBuf>,
+    /// Seed of the sensor noise
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `flexbeam show`
+#[derive(Args, Debug)]
+pub struct Show {
+    /// A recording, model, controller or rig file
+    pub file: PathBuf,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
