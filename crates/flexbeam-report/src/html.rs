@@ -26,6 +26,18 @@ pub struct Check {
     pub verdict: Verdict,
 }
 
+impl Check {
+    /// The checks as a table, for the terminal as for the page.
+    pub fn table(checks: &[Check]) -> Table {
+        let heads = [("figure", ""), ("symbol", ""), ("value", ""), ("unit", ""), ("required", ""), ("verdict", "")];
+        let row = |check: &Check| -> [Cell; 6] {
+            let Check { name, symbol, value, unit, required, verdict } = check.clone();
+            [name.into(), symbol.into(), Cell::Number(value), unit.into(), required.into(), verdict.into()]
+        };
+        checks.iter().map(row).fold(Table::new(&heads), Table::row)
+    }
+}
+
 /// A report under construction. Sections, figures and tables are numbered as they come; all text is escaped.
 ///
 /// ```
@@ -116,24 +128,21 @@ impl Report {
 
     /// A certificate: figures beside what was required of them, met or not.
     pub fn certificate(&mut self, caption: &str, checks: &[Check]) {
-        let heads = [("Figure", ""), ("Symbol", ""), ("Value", ""), ("Unit", ""), ("Required", ""), ("Verdict", "")];
-        let row = |check: &Check| -> [Cell; 6] {
-            let Check { name, symbol, value, unit, required, verdict } = check.clone();
-            [name.into(), symbol.into(), Cell::Number(value), unit.into(), required.into(), verdict.into()]
-        };
-        self.table(caption, &checks.iter().map(row).fold(Table::new(&heads), Table::row));
+        self.table(caption, &Check::table(checks));
     }
 
     /// The finished page; the footer tells where it came from (tool, version, seed).
     pub fn html(&self, footer: &str) -> String {
-        let (title, lead) = (inline(&self.title), inline(&self.lead));
+        let title = inline(&self.title);
+        let lead =
+            if self.lead.is_empty() { String::new() } else { format!("<p class=\"lead\">{}</p>", inline(&self.lead)) };
         let item = |(name, title): &(String, String)| format!("<li><a href=\"#{name}\">{}</a></li>\n", inline(title));
         let contents: String = self.contents.iter().map(item).collect();
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
              <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
-             <header><h1>{title}</h1>\n<p class=\"lead\">{lead}</p></header>\n\
+             <header><h1>{title}</h1>\n{lead}</header>\n\
              <nav aria-label=\"Contents\"><ol>\n{contents}</ol></nav>\n\
              <main>\n{}</main>\n<footer>{}</footer>\n</body>\n</html>\n",
             escaped(&self.title),

@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn every_letter_that_the_reports_use_has_a_glyph() {
-        let letters = "αβγδεζηθκλμνξπρστφχψωΓΔΘΛΠΣΦΨΩ−×±·°µ≤≥≈–—′“”…√∞∂ G₀ 10⁻⁵ uₚ vᵣₑₛ s²";
+        let letters = "αβγδεζηθκλμνξπρστφχψωΓΔΘΛΠΣΦΨΩ−×±·°µ≤≥≈–—′“”…√∞∂‖∑∫←→½† G₀ 10⁻⁵ uₚ vᵣₑₛ s²";
         for font in [&*REGULAR, &*BOLD] {
             let drawn: String = runs(letters).into_iter().map(|(run, _)| run).collect();
             let missing: String = drawn.chars().filter(|c| font.charmap().map(*c).is_none()).collect();
