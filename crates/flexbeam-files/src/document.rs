@@ -6,7 +6,7 @@ use crate::fault::Fault;
 use crate::misfit::{Misfit, Step};
 use crate::provenance::Provenance;
 use crate::tree::Node;
-use crate::write::{Overwrite, Written, read_bytes, write_bytes};
+use crate::write::{Overwrite, Written, check_free_for_schema, read_bytes, write_bytes};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -68,6 +68,13 @@ pub trait Document: Serialize + DeserializeOwned {
         let text = format!("# {}\n{SCHEMA_KEY} = {:?}\n{}", Self::HEAD, Self::SCHEMA, toml_text(&table));
         parse::<Self>(&text, path, Tried::Write)?;
         Ok(text)
+    }
+
+    /// Whether a document of this kind could be written to `path`: ask before an hour of computing.
+    ///
+    /// Errors: [`Fault::Exists`] when `overwrite` refuses what stands there; [`Fault::IsFolder`].
+    fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), Error> {
+        check_free_for_schema(Self::SCHEMA, path, overwrite)
     }
 
     /// Writes the document to `path`.

@@ -52,13 +52,20 @@ pub fn write_bytes(path: &Path, bytes: &[u8], overwrite: Overwrite) -> Result<Wr
     Ok(outcome)
 }
 
-/// Whether a file of this schema could be written to `path`: ask before an hour of computing.
-///
-/// `schema` is a [`Document::SCHEMA`](crate::Document::SCHEMA), or nothing for a recording.
+/// Whether a recording, or a file of no kind of flexbeam's, could be written to `path`: ask before an hour of computing.
+/// For documents there is [`Document::check_free`](crate::Document::check_free).
 ///
 /// Errors: [`Fault::Exists`] when `overwrite` refuses what stands there; [`Fault::IsFolder`].
-pub fn check_free(path: &Path, schema: Option<&str>, overwrite: Overwrite) -> Result<(), Error> {
-    let new = schema.map_or(Kind::Recording, Kind::of_schema);
+pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), Error> {
+    check_free_for(Kind::Recording, path, overwrite)
+}
+
+/// As [`check_free`], for a document of this schema.
+pub(crate) fn check_free_for_schema(schema: &str, path: &Path, overwrite: Overwrite) -> Result<(), Error> {
+    check_free_for(Kind::of_schema(schema), path, overwrite)
+}
+
+fn check_free_for(new: Kind<'_>, path: &Path, overwrite: Overwrite) -> Result<(), Error> {
     let permitted = standing(path)?.is_none_or(|old| overwrite.permits_kind(Kind::of(&old), Some(new)));
     if permitted { Ok(()) } else { Err(Error::new(Tried::Write, path, Fault::Exists)) }
 }
@@ -153,7 +160,7 @@ mod tests {
         assert_eq!(write_bytes(&path, b"one", Overwrite::Refuse).unwrap(), Written::Unchanged);
         let error = write_bytes(&path, b"two", Overwrite::Refuse).unwrap_err();
         assert_eq!(*error.fault, Fault::Exists);
-        assert_eq!(check_free(&path, None, Overwrite::Refuse).unwrap_err(), error);
+        assert_eq!(check_free(&path, Overwrite::Refuse).unwrap_err(), error);
         assert_eq!(fs::read(&path).unwrap(), b"one");
         assert_eq!(write_bytes(&path, b"two", Overwrite::Allow).unwrap(), Written::Replaced);
         assert_eq!(fs::read(&path).unwrap(), b"two");
@@ -178,12 +185,16 @@ mod tests {
             (notes, longer, None, false),
         ] {
             fs::write(&path, old).unwrap();
-            assert_eq!(check_free(&path, schema, Overwrite::SameKind).is_ok(), permitted);
+            let free = match schema {
+                Some(schema) => check_free_for_schema(schema, &path, Overwrite::SameKind),
+                None => check_free(&path, Overwrite::SameKind),
+            };
+            assert_eq!(free.is_ok(), permitted);
             assert_eq!(write_bytes(&path, new, Overwrite::SameKind).is_ok(), permitted);
             assert_eq!(fs::read(&path).unwrap(), if permitted { new } else { old });
         }
         fs::remove_file(&path).unwrap();
-        check_free(&path, None, Overwrite::Refuse).unwrap();
+        check_free(&path, Overwrite::Refuse).unwrap();
     }
 
     #[test]
@@ -191,7 +202,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for overwrite in [Overwrite::Refuse, Overwrite::Allow] {
             assert_eq!(*write_bytes(folder.path(), b"x", overwrite).unwrap_err().fault, Fault::IsFolder);
-            assert_eq!(*check_free(folder.path(), None, overwrite).unwrap_err().fault, Fault::IsFolder);
+            assert_eq!(*check_free(folder.path(), overwrite).unwrap_err().fault, Fault::IsFolder);
         }
         assert_eq!(*read_bytes(folder.path()).unwrap_err().fault, Fault::IsFolder);
     }

@@ -245,6 +245,20 @@ fn a_rig_that_contradicts_itself() {
 }
 
 #[test]
+fn a_document_replaces_its_own_kind_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("file.toml");
+    controller(1.0).write(&path, Overwrite::Refuse).unwrap();
+    assert_eq!(controller(1.0).write(&path, Overwrite::Refuse).unwrap(), Written::Unchanged);
+    Controller::check_free(&path, Overwrite::SameKind).unwrap();
+    assert_eq!(*Controller::check_free(&path, Overwrite::Refuse).unwrap_err().fault, Fault::Exists);
+    assert_eq!(*Rig::check_free(&path, Overwrite::SameKind).unwrap_err().fault, Fault::Exists);
+    assert_eq!(controller(2.0).write(&path, Overwrite::SameKind).unwrap(), Written::Replaced);
+    assert_eq!(*Rig::default().write(&path, Overwrite::SameKind).unwrap_err().fault, Fault::Exists);
+    assert_eq!(Controller::read(&path).unwrap(), controller(2.0));
+}
+
+#[test]
 fn a_project_names_its_files() {
     let folder = tempfile::tempdir().unwrap();
     let project = Project { model: Some("models/first.toml".into()), ..Project::default() };
