@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use flexbeam_files::{Document, Error, Overwrite, Parent, Provenance, check_free, schema_of};
+use flexbeam_files::{Document, Error, Overwrite, Parent, Provenance};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::Failure;
@@ -11,9 +11,8 @@ use crate::Failure;
 ///
 /// Asked before the work begins, so that nothing is computed in vain.
 pub fn overwrite<D: Document>(path: &Path, force: bool) -> Result<Overwrite, Failure> {
-    let ours = path.is_file() && schema_of(path).ok().flatten().as_deref() == Some(D::SCHEMA);
-    let overwrite = if force || ours { Overwrite::Allow } else { Overwrite::Refuse };
-    check_free(path, overwrite)?;
+    let overwrite = if force { Overwrite::Allow } else { Overwrite::SameKind };
+    D::check_free(path, overwrite)?;
     Ok(overwrite)
 }
 
