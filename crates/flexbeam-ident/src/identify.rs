@@ -11,7 +11,7 @@ use crate::{Error, order, subspace};
 
 /// Weights of equation (14).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Weighting {
+pub(crate) enum Weighting {
     /// W1 = I, W2 = I: the paper's oblique projection as it stands.
     N4sid,
     /// W1 = I, W2 the projection orthogonal to U_f.
@@ -96,7 +96,7 @@ pub struct Identified {
     pub continuous: Result<StateSpace, flexbeam_lti::Error>,
     /// State at the first sample.
     pub initial_state: Vector,
-    /// Singular values of (14), descending; data scaled to about unit rms.
+    /// Singular values of (14), descending; data scaled to unit rms.
     pub singular_values: Vec<f64>,
     /// Order n of the model.
     pub order: usize,
@@ -119,7 +119,7 @@ pub struct Identified {
 /// Assumes: all channels of both in step; the inputs excite.
 /// Errors: [`Error::Length`], [`Error::Period`], [`Error::NoChannel`], [`Error::NotFinite`], [`Error::Setting`],
 /// [`Error::TooFewSamples`], [`Error::NotExciting`], [`Error::Order`], [`Error::NoState`].
-/// Numerics: channels are scaled to about unit rms by powers of two; orthogonal transformations only; 8 i^2 (m + l)^2
+/// Numerics: channels are scaled to unit rms, so units do not matter; orthogonal transformations only; 8 i^2 (m + l)^2
 /// operations a sample. Without noise, poles to about 1e-13.
 /// Source: the paper, (7)-(17); DESIGN section 5 says where the default differs.
 pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<Identified, Error> {

@@ -20,4 +20,4 @@ mod triangle;
 pub mod validate;
 
 pub use error::Error;
-pub use identify::{Identified, Method, Options, Order, Weighting, identify};
+pub use identify::{Identified, Method, Options, Order, identify};

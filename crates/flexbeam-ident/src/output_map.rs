@@ -147,3 +147,77 @@ fn solved(factor: &Mat) -> Vector {
     let x = basic_solution(&R, &factor.columns(n, 1).into_owned(), UNKNOWN_RANK);
     Vector::from_fn(n, |c, _| x[c] / norms[c])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::white_gaussian;
+
+    struct Case {
+        A: Mat,
+        B: Mat,
+        C: Mat,
+        D: Mat,
+    }
+
+    impl Case {
+        /// Two inputs, two outputs, the first pole at `pole`.
+        fn new(pole: f64) -> Case {
+            let mix = |r: usize, c: usize| (((r + 1) * (c + 2)) as f64).sin();
+            #[rustfmt::skip]
+            let A = Mat::from_row_slice(3, 3, &[
+                pole, 0.2, 0.0,
+                0.0, 0.7, 0.5,
+                0.0, -0.5, 0.7,
+            ]);
+            Case {
+                A,
+                B: Mat::from_fn(3, 2, mix),
+                C: Mat::from_fn(2, 3, |r, c| mix(c, r + 1)),
+                D: Mat::from_fn(2, 2, mix),
+            }
+        }
+
+        /// Record of the loop u = white - K x, which keeps an unstable pole's state bounded.
+        fn record(&self, K: &Mat, x0: &Vector, s: usize) -> (Mat, Mat) {
+            let white = white_gaussian(2 * s, 1.0, 9.0, 8);
+            let (mut U, mut Y, mut x) = (Mat::zeros(s, 2), Mat::zeros(s, 2), x0.clone());
+            for k in 0..s {
+                let u = Vector::from_column_slice(&white[2 * k..2 * k + 2]) - K * &x;
+                let y = &self.C * &x + &self.D * &u;
+                U.set_row(k, &u.transpose());
+                Y.set_row(k, &y.transpose());
+                x = &self.A * &x + &self.B * &u;
+            }
+            (U, Y)
+        }
+
+        fn expect_recovered(&self, K: &Mat, tolerance: f64) {
+            let x0 = Vector::from_column_slice(&[1.0, -2.0, 0.5]);
+            let (U, Y) = self.record(K, &x0, 3000);
+            assert!(Y.amax() < 1e3, "the loop must be stable: {:e}", Y.amax());
+            let found = input_matrices(&self.A, &self.C, &U, &Y);
+            let errors = [(found.B - &self.B).norm(), (found.D - &self.D).norm(), (found.initial_state - x0).norm()];
+            assert!(errors.iter().all(|e| *e < tolerance), "{errors:?}");
+        }
+    }
+
+    #[test]
+    fn stable_and_integrating_systems_are_recovered() {
+        for pole in [0.9, 1.0] {
+            let case = Case::new(pole);
+            let K =
+                if pole < 1.0 { Mat::zeros(2, 3) } else { Mat::from_row_slice(2, 3, &[0.3, 0.0, 0.0, 0.0, 0.0, 0.0]) };
+            case.expect_recovered(&K, 1e-11);
+        }
+    }
+
+    /// 1.1^3000 = 10^124: one stretch could not hold it.
+    #[test]
+    fn an_unstable_pole_is_kept_and_answered_in_stretches() {
+        let case = Case::new(1.1);
+        let K = Mat::from_row_slice(2, 3, &[0.5, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        assert!(stretch(&case.A, 3000) < 200);
+        case.expect_recovered(&K, 1e-8);
+    }
+}

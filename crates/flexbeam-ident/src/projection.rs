@@ -70,3 +70,81 @@ pub(crate) fn oblique(factor: &Factor, past: usize) -> Mat {
     let K = basic_solution(&L22.transpose(), &L32.transpose(), PAST_RANK).transpose();
     K * factor.L.select_rows(&W_p)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hankel::factor::tests::{hankel, noise, stacked};
+
+    const SAMPLES: usize = 400;
+    const I: usize = 3;
+    const J: usize = SAMPLES - 2 * I + 1;
+
+    /// A - A B'(B B')^-1 B: rows of A orthogonal to those of B.
+    fn without(A: &Mat, B: &Mat) -> Mat {
+        let gram = B * B.transpose();
+        A - A * B.transpose() * gram.cholesky().expect("independent rows").solve(B)
+    }
+
+    /// (13) as printed, width j: Y_f /_{U_f} W_p = (Y_f Pi)(W_p Pi)' [(W_p Pi)(W_p Pi)']^-1 W_p.
+    fn printed(U: &Mat, Y: &Mat, past: usize) -> Mat {
+        let U_f = hankel(U, past..2 * I, J);
+        let Y_f = without(&hankel(Y, past..2 * I, J), &U_f);
+        let W_p = stacked(&[hankel(U, 0..past, J), hankel(Y, 0..past, J)]);
+        let W = without(&W_p, &U_f);
+        let gram = &W * W.transpose();
+        Y_f * W.transpose() * gram.cholesky().expect("independent rows").solve(&W_p)
+    }
+
+    #[test]
+    fn oblique_projections_are_the_printed_ones() {
+        let (U, Y) = noise(SAMPLES);
+        let factor = Factor::new(&U, &Y, I, false).unwrap();
+        let rows = [factor.inputs(I..2 * I), factor.inputs(0..I), factor.outputs(0..2 * I)].concat();
+        let H = stacked(&[hankel(&U, 0..2 * I, J), hankel(&Y, 0..2 * I, J)]);
+        // Order of H's rows here: inputs 0..2i, outputs 0..2i. L's: as `rows` says.
+        let natural = [factor.inputs(0..2 * I), factor.outputs(0..2 * I)].concat();
+        let mut ordered = H.clone();
+        natural.iter().enumerate().for_each(|(k, &row)| ordered.set_row(row, &H.row(k)));
+        assert_eq!(rows, (0..rows.len()).collect::<Vec<_>>());
+        let Q = factor.L.solve_lower_triangular(&ordered).unwrap();
+        for past in [I, I + 1] {
+            let wanted = printed(&U, &Y, past);
+            let error = (oblique(&factor, past) * &Q - &wanted).norm() / wanted.norm();
+            assert!(error < 1e-12, "past {past}: {error:e}");
+        }
+    }
+
+    /// W1 O W2 formed in full with symmetric square roots by eigenvalues: the same singular values, the same ranges.
+    #[test]
+    fn weighted_singular_values_are_those_of_the_printed_matrices() {
+        let (U, Y) = noise(SAMPLES);
+        let factor = Factor::new(&U, &Y, I, false).unwrap();
+        let U_f = hankel(&U, I..2 * I, J);
+        let O = printed(&U, &Y, I);
+        let orthogonal = without(&O, &U_f);
+        let Y_f = without(&hankel(&Y, I..2 * I, J), &U_f);
+        let eigen = (&Y_f * Y_f.transpose()).symmetric_eigen();
+        let root = |power: f64| {
+            let D = Mat::from_diagonal(&eigen.eigenvalues.map(|x| x.powf(power)));
+            &eigen.eigenvectors * D * eigen.eigenvectors.transpose()
+        };
+        let n = I * 3;
+        let cases = [
+            (Weighting::N4sid, O.clone(), Mat::identity(n, n)),
+            (Weighting::Moesp, orthogonal.clone(), Mat::identity(n, n)),
+            (Weighting::Cva, root(-0.5) * orthogonal, root(0.5)),
+        ];
+        for (weighting, weighted, unweight) in cases {
+            let found = directions(&factor, weighting);
+            let (S, left) = left_singular(&weighted);
+            let left = unweight * left;
+            for k in 0..n {
+                assert!((found.singular_values[k] - S[k]).abs() < 1e-12 * S[0], "{weighting:?}, value {k}");
+                let (a, b) = (found.left.column(k), left.column(k));
+                let error = (a - b).norm().min((a + b).norm()) / b.norm();
+                assert!(error < 1e-9, "{weighting:?}, direction {k}: {error:e}");
+            }
+        }
+    }
+}

@@ -1,15 +1,18 @@
 //! Data preparation: offsets and scales, undone in the model.
 //!
-//! Enters: recorded channels. Leaves: channels of about unit rms. Deliberately absent: filters and resampling, which change
+//! Enters: recorded channels. Leaves: channels of unit rms. Deliberately absent: filters and resampling, which change
 //! the model and therefore belong to the person.
 
 use flexbeam_lti::Mat;
+
+/// Movement below this part of the largest value is rounding of the mean.
+const STILL: f64 = 1e-14;
 
 /// Offset and scale of each channel.
 #[derive(Clone, Debug)]
 pub(crate) struct Scaling {
     pub mean: Vec<f64>,
-    /// Powers of two, so that scaling and its undoing are exact.
+    /// Root mean square about the mean, so that a model does not depend on the units of its channels.
     pub scale: Vec<f64>,
 }
 
@@ -23,9 +26,10 @@ impl Scaling {
             let offset =
                 if remove_mean { channel.iter().map(|x| x / unit).sum::<f64>() / channel.len() as f64 } else { 0.0 };
             let square = channel.iter().map(|x| (x / unit - offset).powi(2)).sum::<f64>() / channel.len() as f64;
-            mean.push(offset * unit);
-            // A channel without any movement keeps its unit; the rank of the input finds it.
-            scale.push(if square > 0.0 { power_of_two(square.sqrt()) * unit } else { unit });
+            let moves = square.sqrt() > STILL;
+            // A channel without any movement keeps its unit and loses its value to the last bit; its rank tells the rest.
+            mean.push(if moves || !remove_mean { offset * unit } else { channel[0] });
+            scale.push(if moves { square.sqrt() * unit } else { unit });
         }
         Scaling { mean, scale }
     }

@@ -51,3 +51,82 @@ fn stacked(top: &Mat, bottom: &Mat) -> Mat {
     both.rows_mut(top.nrows(), bottom.nrows()).copy_from(bottom);
     both
 }
+
+#[cfg(test)]
+mod tests {
+    use flexbeam_lti::{C64, StateSpace, Time, sylvester::discrete_lyapunov};
+
+    use super::*;
+    use crate::identify::Weighting;
+    use crate::projection::directions;
+
+    fn wanted() -> StateSpace {
+        let A = Mat::from_row_slice(2, 2, &[0.9, 0.3, -0.3, 0.7]);
+        let (B, C, D) =
+            (Mat::from_column_slice(2, 1, &[1.0, -0.5]), Mat::from_row_slice(1, 2, &[1.0, 0.4]), Mat::zeros(1, 1));
+        StateSpace::new(A, B, C, D, Time::Sampled { period_s: 1.0 }).unwrap()
+    }
+
+    /// The factor that infinitely many samples would give, for u(t) = e(t) + g e(t-1), e and the output's noise white.
+    ///
+    /// [u; y] is the output of a system driven by [e; noise]; its covariances R(k) fill H H'/j, and L is a Cholesky factor.
+    fn exact_factor(i: usize, g: f64) -> Factor {
+        let StateSpace { A, B, C, D, .. } = wanted();
+        let noise = 1.0;
+        let mut F = Mat::zeros(3, 3);
+        F.view_mut((0, 0), (2, 2)).copy_from(&A);
+        F.view_mut((0, 2), (2, 1)).copy_from(&(&B * g));
+        let G = Mat::from_row_slice(3, 2, &[B[0], 0.0, B[1], 0.0, 1.0, 0.0]);
+        let H = Mat::from_row_slice(2, 3, &[0.0, 0.0, g, C[0], C[1], D[0] * g]);
+        let J = Mat::from_row_slice(2, 2, &[1.0, 0.0, D[0], noise]);
+        let P = discrete_lyapunov(&F, &(&G * G.transpose())).unwrap();
+        let mut R = vec![&H * &P * H.transpose() + &J * J.transpose()];
+        let mut past = &F * &P * H.transpose() + &G * J.transpose();
+        for _ in 1..2 * i {
+            R.push(&H * &past);
+            past = &F * past;
+        }
+        let mut factor = Factor { L: Mat::zeros(4 * i, 4 * i), i, m: 1, l: 1 };
+        let rows = [factor.inputs(0..2 * i), factor.outputs(0..2 * i)];
+        for (a, p) in (0..2).flat_map(|a| (0..2 * i).map(move |p| (a, p))) {
+            for (b, q) in (0..2).flat_map(|b| (0..2 * i).map(move |q| (b, q))) {
+                factor.L[(rows[a][p], rows[b][q])] = if p >= q { R[p - q][(a, b)] } else { R[q - p][(b, a)] };
+            }
+        }
+        factor.L = factor.L.cholesky().expect("a covariance").unpack();
+        factor
+    }
+
+    /// Largest |G - G0| / |G0| on the unit circle.
+    fn response_error([A, B, C, D]: [Mat; 4]) -> f64 {
+        let found = StateSpace::new(A, B, C, D, Time::Sampled { period_s: 1.0 }).unwrap();
+        let at = |k: i32| C64::from_polar(1.0, std::f64::consts::PI * f64::from(k) / 50.0);
+        let error = |k: i32| {
+            let (G, G0) = (found.at(at(k))[(0, 0)], wanted().at(at(k))[(0, 0)]);
+            (G - G0).norm() / G0.norm()
+        };
+        (0..=50).map(error).fold(0.0, f64::max)
+    }
+
+    /// Noise as strong as the input, exact covariances: what is left is bias. DESIGN section 5.
+    #[test]
+    fn shift_is_unbiased_and_state_sequences_are_biased_for_coloured_inputs() {
+        let poles = |A: &Mat| (A.trace(), A.determinant());
+        let (trace, determinant) = poles(&wanted().A);
+        let mut bias = Vec::new();
+        for (i, g) in [(3, 0.0), (10, 0.0), (3, 0.8), (10, 0.8)] {
+            let factor = exact_factor(i, g);
+            for weighting in [Weighting::N4sid, Weighting::Moesp, Weighting::Cva] {
+                let (A, _) = shift(&gamma(&directions(&factor, weighting), 2), 1).unwrap();
+                let found = poles(&A);
+                let error = (found.0 - trace).abs().max((found.1 - determinant).abs());
+                assert!(error < 1e-10, "{weighting:?}, i = {i}, g = {g}: {error:e}");
+            }
+            let gamma = gamma(&directions(&factor, Weighting::N4sid), 2);
+            bias.push(response_error(state_sequences(&factor, &gamma).unwrap()));
+        }
+        println!("state sequences: white {:.1e} {:.1e}, coloured {:.1e} {:.1e}", bias[0], bias[1], bias[2], bias[3]);
+        assert!(bias[0] < 1e-10 && bias[1] < 1e-10, "white input: {bias:?}");
+        assert!(bias[2] > 1e-3 && bias[3] < bias[2] / 10.0, "coloured input: {bias:?}");
+    }
+}

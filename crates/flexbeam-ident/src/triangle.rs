@@ -11,8 +11,11 @@ pub(crate) const CHUNK_ROWS: usize = 256;
 const PANEL: usize = 8;
 /// Reflectors that one pass over a column multiplies.
 const TILE: usize = 4;
-/// Independent partial sums of a product, so that additions need not wait for each other.
+/// Partial sums of a product that one instruction adds.
 const LANES: usize = 8;
+
+/// Coefficients of one panel's reflectors.
+type Block = [[f64; PANEL]; PANEL];
 
 /// Upper triangular R with H = Q R for all rows of H absorbed so far.
 ///
@@ -52,6 +55,8 @@ fn reflect_avx2(R: &mut Mat, chunk: &mut Mat) {
 }
 
 /// Reflects [R; chunk] onto R, a panel at a time.
+///
+/// Loops, not closures, here and in all that follows: a closure is compiled without the processor's features.
 #[inline(always)]
 fn reflect<const FUSED: bool>(R: &mut Mat, chunk: &mut Mat) {
     let (rows, n) = chunk.shape();
@@ -59,26 +64,16 @@ fn reflect<const FUSED: bool>(R: &mut Mat, chunk: &mut Mat) {
         let width = PANEL.min(n - first);
         let (panel, trailing) = chunk.as_mut_slice()[first * rows..].split_at_mut(width * rows);
         let T = panel_reflectors::<FUSED>(R, first, panel, rows);
-        for (pair, columns) in trailing.chunks_mut(2 * rows).enumerate() {
-            let column = first + width + 2 * pair;
-            if columns.len() == 2 * rows {
-                let (a, b) = columns.split_at_mut(rows);
-                apply_block::<FUSED, 2>(R, first, column, panel, &T, [a, b]);
-            } else {
-                apply_block::<FUSED, 1>(R, first, column, panel, &T, [columns]);
-            }
+        for (k, column) in trailing.chunks_exact_mut(rows).enumerate() {
+            let mut top = R.column_mut(first + width + k);
+            reflect_column::<FUSED>(&mut top.as_mut_slice()[first..first + width], column, panel, &T);
         }
     }
 }
 
 /// Householder vectors of one panel, left in its columns (their unit entry stands in R's row), and the T of I - V T V'.
 #[inline(always)]
-fn panel_reflectors<const FUSED: bool>(
-    R: &mut Mat,
-    first: usize,
-    panel: &mut [f64],
-    rows: usize,
-) -> [[f64; PANEL]; PANEL] {
+fn panel_reflectors<const FUSED: bool>(R: &mut Mat, first: usize, panel: &mut [f64], rows: usize) -> Block {
     let mut T = [[0.0; PANEL]; PANEL];
     for p in 0..panel.len() / rows {
         let (before, rest) = panel.split_at_mut(p * rows);
@@ -86,14 +81,21 @@ fn panel_reflectors<const FUSED: bool>(
         let k = first + p;
         let tau = reflector::<FUSED>(&mut R[(k, k)], v);
         for (q, a) in after.chunks_exact_mut(rows).enumerate() {
-            let w = tau * (R[(k, k + 1 + q)] + products::<FUSED, 1, 1>([v], [a])[0][0]);
+            let w = tau * (R[(k, k + 1 + q)] + products::<FUSED, 1>([v], a)[0]);
             R[(k, k + 1 + q)] -= w;
-            subtract::<FUSED, 1, 1>([v], [a], [[w]]);
+            subtract::<FUSED, 1>([v], [w], a);
+        }
+        let mut overlaps = [0.0; PANEL];
+        for (q, u) in before.chunks_exact(rows).enumerate() {
+            overlaps[q] = products::<FUSED, 1>([u], v)[0];
         }
         T[p][p] = tau;
-        let overlaps: Vec<f64> = before.chunks_exact(rows).map(|u| products::<FUSED, 1, 1>([u], [v])[0][0]).collect();
-        for row in 0..p {
-            T[row][p] = -tau * (row..p).map(|q| T[row][q] * overlaps[q]).sum::<f64>();
+        for row in T.iter_mut().take(p) {
+            let mut sum = 0.0;
+            for q in 0..p {
+                sum += row[q] * overlaps[q];
+            }
+            row[p] = -tau * sum;
         }
     }
     T
@@ -102,69 +104,71 @@ fn panel_reflectors<const FUSED: bool>(
 /// Turns (diagonal, v) into (beta, 0): returns tau of I - tau [1; v] [1; v]', v overwritten.
 #[inline(always)]
 fn reflector<const FUSED: bool>(diagonal: &mut f64, v: &mut [f64]) -> f64 {
-    let tail = products::<FUSED, 1, 1>([v], [v])[0][0].sqrt();
+    let tail = products::<FUSED, 1>([v], v)[0].sqrt();
     if tail == 0.0 {
         return 0.0;
     }
     let alpha = *diagonal;
     let beta = -alpha.hypot(tail).copysign(alpha);
     let pivot = alpha - beta;
-    v.iter_mut().for_each(|x| *x /= pivot);
+    for x in v.iter_mut() {
+        *x /= pivot;
+    }
     *diagonal = beta;
     (beta - alpha) / beta
 }
 
-/// C columns from `column` on become (I - V T' V') times themselves.
+/// [top; column] becomes (I - V T' V') times itself.
 #[inline(always)]
-fn apply_block<const FUSED: bool, const C: usize>(
-    R: &mut Mat,
-    first: usize,
-    column: usize,
-    panel: &[f64],
-    T: &[[f64; PANEL]; PANEL],
-    mut columns: [&mut [f64]; C],
-) {
-    let rows = columns[0].len();
-    let width = panel.len() / rows;
-    let mut W = [[0.0; PANEL]; C];
+fn reflect_column<const FUSED: bool>(top: &mut [f64], column: &mut [f64], panel: &[f64], T: &Block) {
+    let rows = column.len();
+    let mut W = [0.0; PANEL];
     for (tile, vs) in panel.chunks(TILE * rows).enumerate() {
-        let read = columns.each_ref().map(|c| &**c);
+        let at = tile * TILE;
         if vs.len() == TILE * rows {
-            let found = products::<FUSED, TILE, C>(tile_of(vs, rows), read);
-            for c in 0..C {
-                W[c][tile * TILE..(tile + 1) * TILE].copy_from_slice(&found[c]);
-            }
+            W[at..at + TILE].copy_from_slice(&products::<FUSED, TILE>(tile_of(vs, rows), column));
         } else {
             for (p, v) in vs.chunks_exact(rows).enumerate() {
-                let found = products::<FUSED, 1, C>([v], read);
-                (0..C).for_each(|c| W[c][tile * TILE + p] = found[c][0]);
+                W[at + p] = products::<FUSED, 1>([v], column)[0];
             }
         }
     }
-    for c in 0..C {
-        (0..width).for_each(|p| W[c][p] += R[(first + p, column + c)]);
-        for p in (0..width).rev() {
-            W[c][p] = (0..=p).map(|q| T[q][p] * W[c][q]).sum();
-        }
-        (0..width).for_each(|p| R[(first + p, column + c)] -= W[c][p]);
-    }
+    reflect_top(top, T, &mut W);
     for (tile, vs) in panel.chunks(TILE * rows).enumerate() {
-        let write = columns.each_mut().map(|c| &mut **c);
+        let at = tile * TILE;
         if vs.len() == TILE * rows {
-            let weights = std::array::from_fn(|c| std::array::from_fn(|p| W[c][tile * TILE + p]));
-            subtract::<FUSED, TILE, C>(tile_of(vs, rows), write, weights);
+            let weights = [W[at], W[at + 1], W[at + 2], W[at + 3]];
+            subtract::<FUSED, TILE>(tile_of(vs, rows), weights, column);
         } else {
             for (p, v) in vs.chunks_exact(rows).enumerate() {
-                let weights = std::array::from_fn(|c| [W[c][tile * TILE + p]]);
-                subtract::<FUSED, 1, C>([v], columns.each_mut().map(|c| &mut **c), weights);
+                subtract::<FUSED, 1>([v], [W[at + p]], column);
             }
         }
     }
 }
 
+/// W = T' V' [R; chunk] from its lower part, and R's rows of the panel less W.
+#[inline(always)]
+fn reflect_top(top: &mut [f64], T: &Block, W: &mut [f64; PANEL]) {
+    for (w, r) in W.iter_mut().zip(top.iter()) {
+        *w += r;
+    }
+    for p in (0..top.len()).rev() {
+        let mut sum = 0.0;
+        for q in 0..=p {
+            sum += T[q][p] * W[q];
+        }
+        W[p] = sum;
+    }
+    for (r, w) in top.iter_mut().zip(W.iter()) {
+        *r -= w;
+    }
+}
+
+/// The columns of one tile.
 #[inline(always)]
 fn tile_of(vs: &[f64], rows: usize) -> [&[f64]; TILE] {
-    std::array::from_fn(|p| &vs[p * rows..(p + 1) * rows])
+    [&vs[..rows], &vs[rows..2 * rows], &vs[2 * rows..3 * rows], &vs[3 * rows..4 * rows]]
 }
 
 #[inline(always)]
@@ -172,52 +176,63 @@ fn fused<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
     if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
-/// v_p' a_c for all pairs.
+/// v_p' a for all p.
 #[inline(always)]
-fn products<const FUSED: bool, const P: usize, const C: usize>(v: [&[f64]; P], a: [&[f64]; C]) -> [[f64; P]; C] {
-    let rows = a[0].len();
-    let whole = rows - rows % LANES;
-    let mut sums = [[[0.0; LANES]; P]; C];
-    for k in (0..whole).step_by(LANES) {
-        let vk: [&[f64; LANES]; P] = v.map(|x| x[k..].first_chunk().expect("k + LANES <= rows"));
-        for c in 0..C {
-            let ak: &[f64; LANES] = a[c][k..].first_chunk().expect("k + LANES <= rows");
-            for p in 0..P {
-                for lane in 0..LANES {
-                    sums[c][p][lane] = fused::<FUSED>(vk[p][lane], ak[lane], sums[c][p][lane]);
-                }
-            }
+fn products<const FUSED: bool, const P: usize>(v: [&[f64]; P], a: &[f64]) -> [f64; P] {
+    let whole = a.len() - a.len() % LANES;
+    let mut sums = [[0.0; LANES]; P];
+    let mut k = 0;
+    while k < whole {
+        let ak = lanes(a, k);
+        for p in 0..P {
+            sums[p] = plus_product::<FUSED>(sums[p], lanes(v[p], k), ak);
+        }
+        k += LANES;
+    }
+    let mut found = [0.0; P];
+    for p in 0..P {
+        for x in sums[p] {
+            found[p] += x;
+        }
+        for k in whole..a.len() {
+            found[p] += v[p][k] * a[k];
         }
     }
-    std::array::from_fn(|c| {
-        std::array::from_fn(|p| {
-            let rest: f64 = (whole..rows).map(|k| v[p][k] * a[c][k]).sum();
-            sums[c][p].iter().sum::<f64>() + rest
-        })
-    })
+    found
 }
 
-/// a_c -= sum_p w_cp v_p.
+/// a -= sum_p w_p v_p.
 #[inline(always)]
-fn subtract<const FUSED: bool, const P: usize, const C: usize>(v: [&[f64]; P], a: [&mut [f64]; C], w: [[f64; P]; C]) {
-    let rows = a[0].len();
-    let whole = rows - rows % LANES;
-    for k in (0..whole).step_by(LANES) {
-        let vk: [&[f64; LANES]; P] = v.map(|x| x[k..].first_chunk().expect("k + LANES <= rows"));
-        for c in 0..C {
-            let ak: &mut [f64; LANES] = a[c][k..].first_chunk_mut().expect("k + LANES <= rows");
-            for p in 0..P {
-                for lane in 0..LANES {
-                    ak[lane] = fused::<FUSED>(-w[c][p], vk[p][lane], ak[lane]);
-                }
-            }
+fn subtract<const FUSED: bool, const P: usize>(v: [&[f64]; P], w: [f64; P], a: &mut [f64]) {
+    let whole = a.len() - a.len() % LANES;
+    let mut k = 0;
+    while k < whole {
+        let mut ak = lanes(a, k);
+        for p in 0..P {
+            ak = plus_product::<FUSED>(ak, lanes(v[p], k), [-w[p]; LANES]);
+        }
+        a[k..k + LANES].copy_from_slice(&ak);
+        k += LANES;
+    }
+    for k in whole..a.len() {
+        for p in 0..P {
+            a[k] -= w[p] * v[p][k];
         }
     }
-    for c in 0..C {
-        for k in whole..rows {
-            a[c][k] -= (0..P).map(|p| w[c][p] * v[p][k]).sum::<f64>();
-        }
+}
+
+/// sum + a b, lane by lane.
+#[inline(always)]
+fn plus_product<const FUSED: bool>(mut sum: [f64; LANES], a: [f64; LANES], b: [f64; LANES]) -> [f64; LANES] {
+    for lane in 0..LANES {
+        sum[lane] = fused::<FUSED>(a[lane], b[lane], sum[lane]);
     }
+    sum
+}
+
+#[inline(always)]
+fn lanes(column: &[f64], k: usize) -> [f64; LANES] {
+    *column[k..].first_chunk().expect("k + LANES <= rows")
 }
 
 /// X that minimises |A X - B| column by column: Householder QR, then one triangular solution.

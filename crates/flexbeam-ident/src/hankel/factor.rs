@@ -90,3 +90,79 @@ fn hankel_rows(data: &Mat, lags: std::ops::Range<usize>) -> impl Iterator<Item =
     let channels = data.as_slice();
     lags.flat_map(move |lag| (0..data.ncols()).map(move |c| (&channels[c * s..(c + 1) * s], lag)))
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::excitation::white_gaussian;
+
+    /// Two inputs, three outputs, without any law between them: what is checked here needs none.
+    pub(crate) fn noise(s: usize) -> (Mat, Mat) {
+        let of = |channels: usize, seed: u64| {
+            Mat::from_column_slice(s, channels, &white_gaussian(s * channels, 1.0, 9.0, seed))
+        };
+        (of(2, 1), of(3, 2))
+    }
+
+    /// Block rows `lags` of (8), formed as the paper prints them.
+    pub(crate) fn hankel(data: &Mat, lags: std::ops::Range<usize>, j: usize) -> Mat {
+        let channels = data.ncols();
+        let first = lags.start;
+        Mat::from_fn(lags.len() * channels, j, |r, k| data[(first + r / channels + k, r % channels)])
+    }
+
+    pub(crate) fn stacked(parts: &[Mat]) -> Mat {
+        let rows: Vec<_> = parts.iter().flat_map(|p| p.row_iter().map(|r| r.into_owned())).collect();
+        Mat::from_rows(&rows)
+    }
+
+    /// L L' = H H' with H formed in full, and the rows are where `inputs` and `outputs` say.
+    #[test]
+    fn gram_matrix_is_that_of_the_printed_hankel_matrices() {
+        let (s, i) = (700, 4);
+        let (U, Y) = noise(s);
+        let j = s - 2 * i + 1;
+        let factor = Factor::new(&U, &Y, i, false).unwrap();
+        let rows = [factor.inputs(0..2 * i), factor.outputs(0..2 * i)].concat();
+        let L = factor.L.select_rows(&rows);
+        let H = stacked(&[hankel(&U, 0..2 * i, j), hankel(&Y, 0..2 * i, j)]);
+        let gram = &H * H.transpose();
+        assert!((&L * L.transpose() - &gram).norm() < 1e-13 * gram.norm());
+    }
+
+    /// With the row of ones, every Hankel row is as good as without its mean.
+    #[test]
+    fn a_row_of_ones_removes_the_mean_of_every_hankel_row() {
+        let (s, i) = (500, 3);
+        let (U, Y) = noise(s);
+        let (U, Y) = (U.add_scalar(5.0), Y.add_scalar(-700.0));
+        let j = s - 2 * i + 1;
+        let factor = Factor::new(&U, &Y, i, true).unwrap();
+        let rows = [factor.inputs(0..2 * i), factor.outputs(0..2 * i)].concat();
+        let L = factor.L.select_rows(&rows);
+        let mut H = stacked(&[hankel(&U, 0..2 * i, j), hankel(&Y, 0..2 * i, j)]);
+        H.row_iter_mut().for_each(|mut row| row.add_scalar_mut(-row.mean()));
+        let gram = &H * H.transpose();
+        assert!((&L * L.transpose() - &gram).norm() < 1e-11 * gram.norm());
+    }
+
+    #[test]
+    fn one_sample_too_few_is_named() {
+        let needed = samples_needed(4, 2, 3);
+        let (U, Y) = noise(needed - 1);
+        let refused = Factor::new(&U, &Y, 4, false).err();
+        let wanted = Error::TooFewSamples { what: "estimation", found: needed - 1, needed, block_rows: 4 };
+        assert_eq!(refused, Some(wanted));
+        let (U, Y) = noise(needed);
+        assert!(Factor::new(&U, &Y, 4, false).is_ok());
+    }
+
+    #[test]
+    fn inputs_that_repeat_each_other_are_not_exciting() {
+        let (mut U, Y) = noise(400);
+        let twin = U.column(0).into_owned();
+        U.set_column(1, &twin);
+        let refused = Factor::new(&U, &Y, 4, false).unwrap().expect_exciting();
+        assert_eq!(refused, Err(Error::NotExciting { rank: 8, needed: 16, block_rows: 4 }));
+    }
+}
