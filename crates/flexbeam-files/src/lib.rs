@@ -47,8 +47,9 @@ pub use project::Project;
 pub use provenance::{Parent, Provenance, State, Step, trace};
 pub use recording::{FEWEST_ROWS, Layout, PERIOD_TOLERANCE, Recording, STEP_TOLERANCE, write_signals};
 pub use results::{
-    DesignResult, DistributedBeam, Figure, IdentifyResult, MonteCarlo, RationalCoefficients, ReferenceModel,
-    SampledRadius, SimulateResult, SolvabilityResult, Spread, VerifyResult, json_text,
+    ColumnSummary, DesignResult, DistributedBeam, Figure, IdentifyResult, MonteCarlo, RationalCoefficients,
+    RecordResult, RecordingSummary, ReferenceModel, RigTestResult, SampledRadius, ShowResult, SimulateResult,
+    SolvabilityResult, Spread, VerifyResult, json_text,
 };
 pub use rig::{Rig, RigActuator, RigEncoder, RigFriction, RigGauge, RigLink, RigLumped, RigPhysical, Sees};
 pub use settings::{Channel, Law, Settings};

@@ -239,3 +239,84 @@ pub struct Spread {
     /// The largest.
     pub max: f64,
 }
+
+/// `flexbeam record`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RecordResult {
+    /// The recording.
+    pub file: String,
+    /// SHA-256 of the recording, in hexadecimal.
+    pub sha256: String,
+    /// Columns besides time.
+    pub columns: Vec<String>,
+    /// Number of samples.
+    pub samples: usize,
+    /// Sample period [s].
+    pub period_s: f64,
+    /// Root mean square of the voltage [V].
+    pub rms_v: f64,
+    /// Seed of excitation and sensor noise.
+    pub seed: u64,
+}
+
+/// `flexbeam rig test`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RigTestResult {
+    /// Voltage at which the hub starts to move forward [V], positive.
+    pub breakaway_plus_v: f64,
+    /// The same backward [V], negative.
+    pub breakaway_minus_v: f64,
+    /// Law that the settings are for.
+    pub law: crate::settings::Law,
+    /// Voltage added or sent in the positive direction [V].
+    pub u_p_plus_v: f64,
+    /// The same in the negative direction, as a magnitude [V].
+    pub u_p_minus_v: f64,
+    /// Threshold of switch 2 [V].
+    pub eps_u_v: f64,
+    /// Threshold of switch 1 [rad].
+    pub eps_e_rad: f64,
+    /// Controller file that has these settings now; null when none was named.
+    pub applied_to: Option<String>,
+}
+
+/// `flexbeam show`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ShowResult<'a, T: Serialize> {
+    /// The file.
+    pub file: String,
+    /// Its schema; `flexbeam.recording/1` for a recording.
+    pub schema: &'static str,
+    /// What it holds.
+    pub content: &'a T,
+    /// Poles of a model, pairs [re, im]: in the s-plane [1/s] where there is a continuous model, else in the z-plane.
+    pub poles: Option<Vec<[f64; 2]>>,
+    /// The file and what it was made of, back to the recording.
+    pub history: Vec<crate::provenance::Step>,
+}
+
+/// What a recording holds, without its samples.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RecordingSummary {
+    /// Number of samples.
+    pub samples: usize,
+    /// Sample period [s].
+    pub period_s: f64,
+    /// Columns besides time.
+    pub columns: Vec<ColumnSummary>,
+}
+
+/// One column of a recording.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ColumnSummary {
+    /// Its name, with the unit.
+    pub name: String,
+    /// The smallest value.
+    pub min: f64,
+    /// The largest.
+    pub max: f64,
+    /// The mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub std: f64,
+}
