@@ -11,6 +11,7 @@ use crate::bound::image_magnitude;
 use crate::feedback::{Feedback, Loop};
 use crate::plant::{Plant, Sampled, Timing};
 use crate::sweep::{self, Peak};
+use crate::verify::{Comparison, Verified};
 use crate::{Count, Error, count};
 use flexbeam_lti::{C64, StateSpace, Zpk};
 use flexbeam_rig::{Beam, Motion};
@@ -57,9 +58,14 @@ impl BeamPlant {
     /// 2 |1 - 1/z| |z|^(-delay/Ts) C Ts^2/(2 pi)^3 sum 1/(k - 1/2)^3, k > aliases, and that sum is below 1/(2 (aliases - 1/2)^2).
     pub fn with_tail(beam: &Beam, timing: Timing, relative: f64) -> Result<BeamPlant, Error> {
         timing.check()?;
-        let known = (1..).take_while(|k| beam.clamped_frequency_rad_s(*k) < KNOWN_BAND * timing.nyquist_rad_s()).count();
+        let known =
+            (1..).take_while(|k| beam.clamped_frequency_rad_s(*k) < KNOWN_BAND * timing.nyquist_rad_s()).count();
         let modes = beam.modes(known.max(LEAST_MODES));
-        let mut poles: Vec<C64> = real_poles(beam)?.into_iter().chain(modes.iter().flat_map(|p| [*p, p.conj()])).map(|p| timing.z(p)).collect();
+        let mut poles: Vec<C64> = real_poles(beam)?
+            .into_iter()
+            .chain(modes.iter().flat_map(|p| [*p, p.conj()]))
+            .map(|p| timing.z(p))
+            .collect();
         poles.extend(timing.filter_pole());
         let mut plant = BeamPlant { beam: *beam, timing, aliases: 0, tail: 0.0, modes, poles };
         let peak = plant.base_band_peak();
@@ -170,10 +176,20 @@ pub struct OnBeam {
 }
 
 impl OnBeam {
-    /// Stable to beta, covered by alpha, with equally many poles right of the line.
-    pub fn holds(&self) -> bool {
+    /// Stable, stable to beta, covered by alpha, with equally many open-loop poles right of the line.
+    pub fn figures(&self) -> Vec<Verified> {
+        use Comparison::{AtMost, Equal};
         let (beam, nominal) = self.poles_beyond_beta;
-        self.unstable.beyond == 0 && self.beyond_beta.beyond == 0 && self.difference.value < 1.0 && beam == nominal
+        let limit = |figure, claimed: usize, recomputed: usize, comparison| {
+            Verified::new(figure, claimed as f64, recomputed as f64, comparison, (0.0, "a count"))
+        };
+        let covered = (0.0, "(19) asks for less than alpha everywhere on the circle");
+        vec![
+            limit("beam.unstable_poles", 0, self.unstable.beyond, AtMost),
+            limit("beam.poles_beyond_beta", 0, self.beyond_beta.beyond, AtMost),
+            limit("beam.open_loop_poles_beyond_beta", nominal, beam, Equal),
+            Verified::new("beam.difference_over_alpha", 1.0, self.difference.value, AtMost, covered),
+        ]
     }
 }
 
@@ -185,7 +201,13 @@ const LOWEST: f64 = 1e-6;
 /// Errors: [`Error::OnContour`], [`Error::Setting`], those of the rig.
 /// Numerics: some thousand evaluations of the alias sum.
 /// Source: DESIGN 6, first paragraph and 6.6.
-pub fn on_beam(beam: &BeamPlant, nominal: &StateSpace, feedback: &Feedback, alpha_w: &Zpk, beta: f64) -> Result<OnBeam, Error> {
+pub fn on_beam(
+    beam: &BeamPlant,
+    nominal: &StateSpace,
+    feedback: &Feedback,
+    alpha_w: &Zpk,
+    beta: f64,
+) -> Result<OnBeam, Error> {
     let timing = beam.timing();
     let model = Plant::new(nominal, timing)?;
     let L = Loop::new(beam, feedback)?;
@@ -222,7 +244,7 @@ fn differences(beam: &BeamPlant, model: &Plant, alpha_w: &Zpk, beta: f64) -> (Pe
     let samples: Vec<(f64, f64)> = sweep::angles(&poles, radius, LOWEST).into_iter().map(sampled).collect();
     let peak = |weight: &dyn Fn(f64) -> f64| {
         let known = samples.iter().map(|&(angle, value)| (angle, value * weight(angle))).collect();
-        let (angle, value) = sweep::supremum_from(known, |angle| difference(angle) * weight(angle));
+        let (angle, value) = sweep::supremum_from(known, 0.0, |angle| difference(angle) * weight(angle));
         Peak { value, omega_rad_s: angle / timing.period_s }
     };
     (peak(&|angle| 1.0 / image_magnitude(alpha_w, angle, timing.period_s)), peak(&|_| 1.0))

@@ -29,7 +29,7 @@ pub fn bound_norm(L: &Loop<'_>, alpha_w: &Zpk, degree: f64) -> Peak {
         // K/(1 + G K) = 1/(1/K + G): right at a pole of K, too.
         image_magnitude(alpha_w, angle, timing.period_s) / (K.inv() + G).norm()
     };
-    let (angle, value) = sweep::supremum(&sweep::angles(&L.open_poles(), radius, LOWEST), weighted);
+    let (angle, value) = sweep::supremum(&sweep::angles(&L.open_poles(), radius, LOWEST), 0.0, weighted);
     Peak { value, omega_rad_s: angle / timing.period_s }
 }
 
@@ -40,6 +40,6 @@ pub fn image_shortfall(alpha: &Zpk, alpha_w: &Zpk, period_s: f64) -> Peak {
         alpha.at(s).norm() / image_magnitude(alpha_w, angle, period_s)
     };
     let corners: Vec<C64> = alpha.zeros.iter().chain(&alpha.poles).map(|s| (s * period_s).exp()).collect();
-    let (angle, value) = sweep::supremum(&sweep::angles(&corners, 1.0, LOWEST), ratio);
+    let (angle, value) = sweep::supremum(&sweep::angles(&corners, 1.0, LOWEST), 0.0, ratio);
     Peak { value, omega_rad_s: angle / period_s }
 }

@@ -9,6 +9,8 @@ use flexbeam_lti::{C64, Mat, StateSpace, Time};
 #[derive(Clone, Debug)]
 pub struct Feedback {
     K: Response,
+    T: Response,
+    M: Response,
     poles: Vec<C64>,
     /// Poles of what y and u_applied do not reach: the prefilter T and the model M.
     pub prefilter_poles: Vec<C64>,
@@ -49,9 +51,12 @@ impl Feedback {
             let n = A.nrows();
             Ok::<_, Error>(StateSpace::new(A, Mat::zeros(n, 0), Mat::zeros(0, n), Mat::zeros(0, 0), time)?.poles())
         };
+        let [T, M] = from_reference(controller)?;
         Ok(Feedback {
             poles: K.poles(),
             K: Response::new(&K)?,
+            T,
+            M,
             prefilter_poles: poles_of(controller.A.select_rows(&beyond).select_columns(&beyond))?,
             saturated_poles: poles_of(saturated)?,
             period_s,
@@ -61,6 +66,11 @@ impl Feedback {
     /// K(z) and K'(z).
     pub fn at(&self, z: C64) -> (C64, C64) {
         self.K.at(z)
+    }
+
+    /// u/v for y = 0 and y_model/v.
+    pub fn from_reference(&self, z: C64) -> (C64, C64) {
+        (self.T.at(z).0, self.M.at(z).0)
     }
 
     /// Poles of K in the z-plane.
@@ -76,24 +86,14 @@ impl Feedback {
     /// 1/K(0) [rad/V]: how far a constant volt at the plant's input moves the tip; 0 with integral action, infinite for a
     /// controller that gives way.
     ///
-    /// Numerics: the limit z -> 1 of 1/K by Richardson extrapolation of (1/K(1 + h) + 1/K(1 - h))/2, even in h. Unlike
-    /// C (I - A)^-1 B + D it does not ask for a regular I - A.
+    /// Numerics: [`limit_at_one`] of 1/K; unlike C (I - A)^-1 B + D it does not ask for a regular I - A.
     pub fn compliance_rad_per_v(&self) -> f64 {
-        let mean = |h: f64| 0.5 * (self.at(C64::from(1.0 + h)).0.inv().re + self.at(C64::from(1.0 - h)).0.inv().re);
-        let mut table: Vec<f64> = (0..LEVELS).map(|k| mean(FIRST_STEP_PER_S * self.period_s * 0.5_f64.powi(k))).collect();
-        let (mut best, mut change) = (table[table.len() - 1], f64::INFINITY);
-        for order in 1..table.len() {
-            let gain = 4.0_f64.powi(order as i32) - 1.0;
-            for k in 0..table.len() - order {
-                table[k] = table[k + 1] + (table[k + 1] - table[k]) / gain;
-            }
-            let last = table[table.len() - 1 - order];
-            if (last - best).abs() < change {
-                change = (last - best).abs();
-                best = last;
-            }
-        }
-        best
+        limit_at_one(self.period_s, |z| self.at(z).0.inv().re)
+    }
+
+    /// y_model/v at rest.
+    pub fn model_gain(&self) -> f64 {
+        limit_at_one(self.period_s, |z| self.from_reference(z).1.re)
     }
 }
 
@@ -103,15 +103,50 @@ const FIRST_STEP_PER_S: f64 = 0.05;
 /// Halvings of the step: six reach 1e-3/s and an error of order h^12.
 const LEVELS: i32 = 6;
 
+/// v -> u and v -> y_model, closed over u_applied = u.
+fn from_reference(controller: &StateSpace) -> Result<[Response; 2], Error> {
+    let column = |k: usize| controller.B.columns(k, 1).into_owned();
+    let through = controller.D[(0, 0)];
+    let A = &controller.A + column(2) * controller.C.rows(0, 1);
+    let B = column(0) + column(2) * through;
+    let to = |row: usize| {
+        let C = controller.C.rows(row, 1).into_owned();
+        let D = Mat::from_element(1, 1, controller.D[(row, 0)]);
+        Response::new(&StateSpace::new(A.clone(), B.clone(), C, D, controller.time)?)
+    };
+    Ok([to(0)?, to(1)?])
+}
+
+/// lim f(z), z -> 1, for an f that is smooth there but cannot be evaluated at 1.
+///
+/// Numerics: Richardson extrapolation of (f(1 + h) + f(1 - h))/2, even in h; the entry that changes least is taken.
+fn limit_at_one(period_s: f64, f: impl Fn(C64) -> f64) -> f64 {
+    let mean = |h: f64| 0.5 * (f(C64::from(1.0 + h)) + f(C64::from(1.0 - h)));
+    let mut table: Vec<f64> = (0..LEVELS).map(|k| mean(FIRST_STEP_PER_S * period_s * 0.5_f64.powi(k))).collect();
+    let (mut best, mut change) = (table[table.len() - 1], f64::INFINITY);
+    for order in 1..table.len() {
+        let gain = 4.0_f64.powi(order as i32) - 1.0;
+        for k in 0..table.len() - order {
+            table[k] = table[k + 1] + (table[k + 1] - table[k]) / gain;
+        }
+        let last = table[table.len() - 1 - order];
+        if (last - best).abs() < change {
+            change = (last - best).abs();
+            best = last;
+        }
+    }
+    best
+}
+
 /// States that y or u_applied reach, and the others.
 fn by_reach(controller: &StateSpace) -> (Vec<usize>, Vec<usize>) {
     let n = controller.order();
     let mut reached: Vec<bool> = (0..n).map(|i| controller.B[(i, 1)] != 0.0 || controller.B[(i, 2)] != 0.0).collect();
     let mut frontier: Vec<usize> = (0..n).filter(|&i| reached[i]).collect();
     while let Some(j) = frontier.pop() {
-        for i in 0..n {
-            if !reached[i] && controller.A[(i, j)] != 0.0 {
-                reached[i] = true;
+        for (i, is_reached) in reached.iter_mut().enumerate() {
+            if !*is_reached && controller.A[(i, j)] != 0.0 {
+                *is_reached = true;
                 frontier.push(i);
             }
         }
@@ -132,7 +167,11 @@ impl<'a> Loop<'a> {
     pub fn new(plant: &'a dyn Sampled, feedback: &'a Feedback) -> Result<Loop<'a>, Error> {
         let (plant_s, value) = (plant.timing().period_s, feedback.period_s());
         if (plant_s - value).abs() > 1e-12 * value {
-            return Err(Error::Setting { name: "the controller's period [s]", value, needed: "that of the certificate" });
+            return Err(Error::Setting {
+                name: "the controller's period [s]",
+                value,
+                needed: "that of the certificate",
+            });
         }
         Ok(Loop { plant, feedback })
     }

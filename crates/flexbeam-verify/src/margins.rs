@@ -52,6 +52,6 @@ pub fn margins(L: &Loop<'_>) -> Margins {
         let gain = at(angle);
         ((1.0 - gain) / (1.0 + gain)).norm()
     };
-    margins.disk = 2.0 / sweep::supremum(&angles, difference).1;
+    margins.disk = 2.0 / sweep::supremum(&angles, 0.0, difference).1;
     margins
 }

@@ -61,7 +61,11 @@ pub fn count(L: &Loop<'_>, degree: f64) -> Result<Count, Error> {
     let turns = (turned / PI).round() as i64; // the lower half of the circle turns as much again: 2 turned/(2 pi)
     let outside = contour.open_poles.iter().filter(|p| p.norm() > contour.radius).count();
     let beyond = usize::try_from(outside as i64 - turns).map_err(|_| contour.undecided())?;
-    Ok(Count { beyond, open_loop: outside + contour.on_circle.iter().filter(|p| p.norm() > contour.radius).count(), ..contour.met })
+    Ok(Count {
+        beyond,
+        open_loop: outside + contour.on_circle.iter().filter(|p| p.norm() > contour.radius).count(),
+        ..contour.met
+    })
 }
 
 #[derive(Clone, Copy)]

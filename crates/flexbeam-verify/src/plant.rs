@@ -20,7 +20,8 @@ impl Timing {
     /// Errors: [`Error::Setting`].
     pub fn check(&self) -> Result<(), Error> {
         let Timing { period_s, delay_s, low_pass } = *self;
-        let expect = |fits: bool, name, value, needed| if fits { Ok(()) } else { Err(Error::Setting { name, value, needed }) };
+        let expect =
+            |fits: bool, name, value, needed| if fits { Ok(()) } else { Err(Error::Setting { name, value, needed }) };
         expect(period_s > 0.0 && period_s.is_finite(), "period [s]", period_s, "positive and finite")?;
         expect(delay_s >= 0.0 && delay_s.is_finite(), "delay [s]", delay_s, "not negative, and finite")?;
         expect(low_pass > 0.0 && low_pass <= 1.0, "low-pass coefficient", low_pass, "above 0, at most 1")

@@ -47,22 +47,24 @@ const STRAIGHT: f64 = 1e-3;
 const RIVAL: f64 = 0.97;
 /// Halvings of one interval: enough to reach rounding.
 const MOST_HALVINGS: usize = 45;
+/// A function that bends at more points than this is rounding: refining it further finds nothing.
+const MOST_SAMPLES: usize = 50_000;
 /// Golden section ends at this part of the angle: a maximum is flat, its value then has all its digits.
 const GOLDEN: f64 = 1e-9;
 
-/// The supremum of f over the angles, refined between them.
+/// The supremum of f over the angles, refined between them where f is above `noise`.
 ///
 /// Returns (angle, value); infinite when a value is.
-pub(crate) fn supremum(angles: &[f64], f: impl Fn(f64) -> f64) -> (f64, f64) {
-    supremum_from(angles.iter().map(|&x| (x, f(x))).collect(), f)
+pub(crate) fn supremum(angles: &[f64], noise: f64, f: impl Fn(f64) -> f64) -> (f64, f64) {
+    supremum_from(angles.iter().map(|&x| (x, f(x))).collect(), noise, f)
 }
 
 /// The same from values that are known already.
-pub(crate) fn supremum_from(mut samples: Vec<(f64, f64)>, f: impl Fn(f64) -> f64) -> (f64, f64) {
+pub(crate) fn supremum_from(mut samples: Vec<(f64, f64)>, noise: f64, f: impl Fn(f64) -> f64) -> (f64, f64) {
     for _ in 0..MOST_HALVINGS {
         let largest = samples.iter().map(|s| s.1).fold(0.0, f64::max);
-        let bends = bending(&samples, STRAIGHT * largest, 0.5 * largest);
-        if bends.is_empty() {
+        let bends = bending(&samples, STRAIGHT * largest, noise.max(0.5 * largest));
+        if bends.is_empty() || samples.len() > MOST_SAMPLES {
             break;
         }
         samples.extend(bends.into_iter().map(|x| (x, f(x))));
