@@ -136,7 +136,7 @@ pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Resul
     let factor = Factor::new(&U_e, &Y_e, i, options.constant_row)?; // (8), (9)
     factor.expect_exciting()?;
     let directions = directions(&factor, options.method.weighting()); // (13), (14)
-    let n = chosen_order(&factor, &directions, options.order)?;
+    let n = chosen_order(&factor, &directions, options)?;
     let gamma = subspace::gamma(&directions, n); // (15)
     let time = Time::Sampled { period_s: inputs.period_s };
     let (scaled, initial_state) = system(&factor, &gamma, options.method, &U_e, &Y_e, time)?; // (16), (17)
@@ -196,14 +196,14 @@ fn unscaled(model: &StateSpace, inputs: &Scaling, outputs: &Scaling) -> Result<S
     Ok(StateSpace::new(A, B, C, D, time)?)
 }
 
-fn chosen_order(factor: &Factor, directions: &Directions, asked: Order) -> Result<usize, Error> {
+fn chosen_order(factor: &Factor, directions: &Directions, options: &Options) -> Result<usize, Error> {
     let rank = order::rank(&directions.singular_values);
     if rank == 0 {
         return Err(Error::NoState);
     }
     let shift = factor.l * (factor.i - 1);
-    let order = match asked {
-        Order::Auto => automatic_order(factor).min(shift).min(rank),
+    let order = match options.order {
+        Order::Auto => automatic_order(factor, directions, options.method).min(shift).min(rank),
         Order::Fixed(order) => order,
     };
     if order > shift {
@@ -216,9 +216,12 @@ fn chosen_order(factor: &Factor, directions: &Directions, asked: Order) -> Resul
 }
 
 /// Always from the MOESP weighting: canonical correlations of noise-free data are all one and have no floor.
-fn automatic_order(factor: &Factor) -> usize {
+fn automatic_order(factor: &Factor, found: &Directions, method: Method) -> usize {
     let aspect = factor.l as f64 / (factor.m + factor.l) as f64;
-    order::automatic(&directions(factor, Weighting::Moesp).singular_values, aspect)
+    match method.weighting() {
+        Weighting::Moesp => order::automatic(&found.singular_values, aspect),
+        _ => order::automatic(&directions(factor, Weighting::Moesp).singular_values, aspect),
+    }
 }
 
 fn check(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<(), Error> {

@@ -8,8 +8,9 @@ const ROUNDING: f64 = 1e-12;
 /// A drop by this factor has no noise behind it: data without noise fall from their last state to rounding. The cleanest real
 /// recording at hand drops by 95.
 const NOISE_FREE_DROP: f64 = 1e4;
-/// Margin over the threshold for white noise: block Hankel rows share their samples, and real noise is coloured.
-const MARGIN: f64 = 1.5;
+/// Margin over the threshold for white noise of one variance: block Hankel rows share their samples, real noise is coloured, and
+/// each output has its own.
+const MARGIN: f64 = 2.0;
 
 /// Largest order that the singular values carry: how many stand above rounding.
 pub(crate) fn rank(singular_values: &[f64]) -> usize {
@@ -20,7 +21,7 @@ pub(crate) fn rank(singular_values: &[f64]) -> usize {
 /// Automatic order.
 ///
 /// 1. If the singular values drop by 10^4 or more somewhere, to rounding say, the order is the place of the largest drop.
-/// 2. Else it is the number of singular values above 1.5 omega(aspect) times their median: noise alone stays below omega times
+/// 2. Else it is the number of singular values above 2 omega(aspect) times their median: noise alone stays below omega times
 ///    the median, and states are the exceptions. So at most half of the singular values are states.
 ///
 /// `aspect`: rows over columns of the weighted projection, at most 1.

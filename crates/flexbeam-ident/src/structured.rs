@@ -14,7 +14,11 @@ use crate::triangle::{CHUNK_ROWS, Triangle};
 const PARAMETERS: usize = 4;
 /// States, and with them unknown initial values.
 const STATES: usize = 4;
-const UNKNOWNS: usize = PARAMETERS + STATES;
+/// Unknowns that enter linearly: the initial state, a voltage added to the recorded one, and what the gauge shows at rest.
+const LINEAR: usize = STATES + 2;
+const VOLTAGE_OFFSET: usize = STATES;
+const ALPHA_OFFSET: usize = STATES + 1;
+const UNKNOWNS: usize = PARAMETERS + LINEAR;
 /// Gauss-Newton converges in five to ten steps from an unstructured estimate; more are a sign of a wrong model.
 const MOST_ITERATIONS: usize = 60;
 /// A step below this part of its standard error changes nothing that the data can tell.
@@ -37,13 +41,17 @@ pub struct LinkFit {
     pub standard_errors: LinkParameters,
     /// theta, alpha, theta', alpha' at the first sample.
     pub initial_state: Vector,
+    /// Constant voltage that acts beside the recorded one [V]: an asymmetric dead zone, or a mean that was removed.
+    pub voltage_offset_v: f64,
+    /// What the gauge shows at rest [rad].
+    pub alpha_offset_rad: f64,
     /// Root mean square of what is left of theta and alpha [rad].
     pub residual_rms_rad: [f64; 2],
     /// Linearisations used.
     pub iterations: usize,
 }
 
-/// Least squares of (18)'s sampled output on theta and alpha over k1, k2, c, b and the initial state.
+/// Least squares of (18)'s sampled output on theta and alpha over k1, k2, c, b, the initial state and two offsets.
 ///
 /// Shapes: three records of the same length, one sample a period.
 /// Assumes: white noise on the outputs, of two unknown variances; each output is weighted by what it leaves.
@@ -60,24 +68,26 @@ pub fn structured_fit(
     let record = Record::new(voltage_v, theta_rad, alpha_rad, period_s)?;
     let mut sigma = record.rms();
     let mut point = start.to_array();
-    // x(0) enters linearly: whatever it is now, the first step finds it.
-    let mut initial = Vector::from_column_slice(&[theta_rad[0], alpha_rad[0], 0.0, 0.0]);
+    // These enter linearly: whatever they are now, the first step finds them.
+    let mut linear = Vector::zeros(LINEAR);
+    linear[0] = theta_rad[0];
+    linear[1] = alpha_rad[0];
     let mut lambda = DAMPING.0;
-    let mut at = record.linearised(&point, &initial, &sigma);
+    let mut at = record.linearised(&point, &linear, &sigma);
     for iterations in 1..=MOST_ITERATIONS {
-        let (step, state_step) = at.step(lambda);
+        let (step, linear_step) = at.step(lambda);
         let settled = at.settled(&point, &step);
         let next: [f64; PARAMETERS] = std::array::from_fn(|p| point[p] + step[p]);
-        let next_initial = &initial + state_step;
-        let tried = record.linearised(&next, &next_initial, &sigma);
+        let next_linear = &linear + linear_step;
+        let tried = record.linearised(&next, &next_linear, &sigma);
         // Within rounding of the least there is no descent left to see.
         if tried.cost() <= at.cost() || settled {
-            (point, initial) = (next, next_initial);
+            (point, linear) = (next, next_linear);
             lambda *= DAMPING.1;
             sigma = record.noise(&tried);
-            at = record.linearised(&point, &initial, &sigma);
+            at = record.linearised(&point, &linear, &sigma);
             if settled {
-                return Ok(at.into_fit(point, initial, iterations));
+                return Ok(at.into_fit(point, &linear, iterations));
             }
         } else {
             lambda *= DAMPING.2;
@@ -139,18 +149,19 @@ impl<'a> Record<'a> {
     }
 
     /// Simulates (18) and the sensitivities of its outputs to all unknowns.
-    fn linearised(&self, point: &[f64; PARAMETERS], initial: &Vector, sigma: &[f64; 2]) -> Linearised {
+    fn linearised(&self, point: &[f64; PARAMETERS], linear: &Vector, sigma: &[f64; 2]) -> Linearised {
         let sampled = Sensitive::new(point, self.period_s);
-        let mut state = Trajectory::new(initial);
+        let mut state = Trajectory::new(linear);
         let mut triangle = Triangle::new(UNKNOWNS + 1);
         let mut squares = [0.0; 2];
+        let shown = [0.0, linear[ALPHA_OFFSET]];
         let s = self.voltage_v.len();
         for first in (0..s).step_by(CHUNK_ROWS) {
             let width = CHUNK_ROWS.min(s - first);
             let mut chunk = Mat::zeros(2 * width, UNKNOWNS + 1);
             for k in 0..width {
                 for o in 0..2 {
-                    let residual = self.outputs[o][first + k] - state.x[o];
+                    let residual = self.outputs[o][first + k] - state.x[o] - shown[o];
                     squares[o] += residual * residual;
                     let row = 2 * k + o;
                     for p in 0..PARAMETERS {
@@ -159,9 +170,11 @@ impl<'a> Record<'a> {
                     for q in 0..STATES {
                         chunk[(row, PARAMETERS + q)] = state.by_initial[q][o] / sigma[o];
                     }
+                    chunk[(row, PARAMETERS + VOLTAGE_OFFSET)] = state.by_voltage[o] / sigma[o];
+                    chunk[(row, PARAMETERS + ALPHA_OFFSET)] = o as f64 / sigma[o];
                     chunk[(row, UNKNOWNS)] = residual / sigma[o];
                 }
-                state.advance(&sampled, self.voltage_v[first + k]);
+                state.advance(&sampled, self.voltage_v[first + k] + linear[VOLTAGE_OFFSET]);
             }
             triangle.absorb(&mut chunk);
         }
@@ -176,7 +189,7 @@ impl Linearised {
         if cost.is_finite() { cost } else { f64::INFINITY }
     }
 
-    /// Levenberg-Marquardt step of parameters and initial state.
+    /// Levenberg-Marquardt step of the parameters and of the linear unknowns.
     fn step(&self, lambda: f64) -> ([f64; PARAMETERS], Vector) {
         let mut damped = Triangle { R: self.R.clone() };
         let mut rows = Mat::zeros(UNKNOWNS, UNKNOWNS + 1);
@@ -207,11 +220,13 @@ impl Linearised {
         })
     }
 
-    fn into_fit(self, point: [f64; PARAMETERS], initial_state: Vector, iterations: usize) -> LinkFit {
+    fn into_fit(self, point: [f64; PARAMETERS], linear: &Vector, iterations: usize) -> LinkFit {
         LinkFit {
             parameters: LinkParameters::from_array(point),
             standard_errors: LinkParameters::from_array(self.standard_errors()),
-            initial_state,
+            initial_state: linear.rows(0, STATES).into_owned(),
+            voltage_offset_v: linear[VOLTAGE_OFFSET],
+            alpha_offset_rad: linear[ALPHA_OFFSET],
             residual_rms_rad: self.squares.map(|x| (x / self.samples as f64).sqrt()),
             iterations,
         }
@@ -267,13 +282,19 @@ struct Trajectory {
     x: [f64; STATES],
     by_parameter: [[f64; STATES]; PARAMETERS],
     by_initial: [[f64; STATES]; STATES],
+    by_voltage: [f64; STATES],
 }
 
 impl Trajectory {
-    fn new(initial: &Vector) -> Trajectory {
+    fn new(linear: &Vector) -> Trajectory {
         let mut by_initial = [[0.0; STATES]; STATES];
         (0..STATES).for_each(|q| by_initial[q][q] = 1.0);
-        Trajectory { x: std::array::from_fn(|k| initial[k]), by_parameter: [[0.0; STATES]; PARAMETERS], by_initial }
+        Trajectory {
+            x: std::array::from_fn(|k| linear[k]),
+            by_parameter: [[0.0; STATES]; PARAMETERS],
+            by_initial,
+            by_voltage: [0.0; STATES],
+        }
     }
 
     fn advance(&mut self, sampled: &Sensitive, u: f64) {
@@ -286,6 +307,8 @@ impl Trajectory {
             let through = increment(&sampled.E, by, 0.0);
             (0..STATES).for_each(|k| by[k] += through[k]);
         }
+        let through = increment(&sampled.E, &self.by_voltage, 1.0);
+        (0..STATES).for_each(|k| self.by_voltage[k] += through[k]);
         let step = increment(&sampled.E, &self.x, u);
         (0..STATES).for_each(|k| self.x[k] += step[k]);
     }

@@ -56,3 +56,41 @@ fn fit_percent(y: &Vector, simulated: &Vector) -> f64 {
     let fit = if missed == 0.0 { 100.0 } else { 100.0 * (1.0 - missed / moved) };
     if fit.is_nan() { f64::NEG_INFINITY } else { fit }
 }
+
+#[cfg(test)]
+mod tests {
+    use flexbeam_lti::Time;
+
+    use super::*;
+
+    fn first_order(pole: f64) -> StateSpace {
+        let one = |x: f64| Mat::from_element(1, 1, x);
+        StateSpace::new(one(pole), one(1.0), one(1.0), one(0.0), Time::Sampled { period_s: 1.0 }).unwrap()
+    }
+
+    #[test]
+    fn fit_is_a_hundred_for_the_output_and_zero_for_its_mean() {
+        let y = Vector::from_column_slice(&[1.0, 2.0, 4.0, 5.0]);
+        assert_eq!(fit_percent(&y, &y), 100.0);
+        assert_eq!(fit_percent(&y, &Vector::from_element(4, 3.0)), 0.0);
+        // |y - yhat| = 1, |y - mean| = sqrt 10.
+        let near = Vector::from_column_slice(&[1.0, 2.0, 4.0, 6.0]);
+        assert!((fit_percent(&y, &near) - 100.0 * (1.0 - 0.1f64.sqrt())).abs() < 1e-12);
+    }
+
+    /// y(0) = 8 decays by half a sample without input.
+    #[test]
+    fn initial_state_comes_from_the_validating_samples() {
+        let Y = Mat::from_fn(1, 20, |_, k| 8.0 * 0.5f64.powi(k as i32));
+        let found = validate(&first_order(0.5), &Mat::zeros(1, 20), &Y).unwrap();
+        assert!((found.initial_state[0] - 8.0).abs() < 1e-13);
+        assert!((found.mean_fit_percent() - 100.0).abs() < 1e-11);
+    }
+
+    #[test]
+    fn a_simulation_that_overflows_has_no_fit() {
+        let U = Mat::from_element(1, 4000, 1.0);
+        let found = validate(&first_order(1.5), &U, &Mat::from_fn(1, 4000, |_, k| (k as f64).sin())).unwrap();
+        assert_eq!(found.fit_percent, [f64::NEG_INFINITY]);
+    }
+}

@@ -158,6 +158,22 @@ fn noisy_recordings_over_twenty_seeds() {
     assert!((0.6..1.5).contains(&rms), "standard errors are off: {rms}");
 }
 
+/// Ten times the noise: the fourth singular value still stands clear.
+#[test]
+fn ten_percent_noise_leaves_four_states_and_one_percent_parameters() {
+    for seed in 1..=5 {
+        let (V, Y) = record(SAMPLES, seed, &Vector::zeros(4));
+        let Y = noisy(&Y, 0.1, seed);
+        let found = identified(&V, &Y, Method::Auto, Order::Auto);
+        assert_eq!(found.order, 4, "seed {seed}: {:?}", &found.singular_values[..8]);
+        let start = physical_form(found.continuous.as_ref().unwrap(), 0, 1).unwrap().parameters;
+        let fit = fitted(&V, &Y, start).unwrap();
+        let error = parameter_error(&fit.parameters);
+        println!("10 %, seed {seed}: unstructured {:.1e}, structured {error:.1e}", parameter_error(&start));
+        assert!(error < 0.01, "seed {seed}: {error:e}");
+    }
+}
+
 #[test]
 fn structured_fit_is_exact_without_noise_and_finds_the_initial_state() {
     let initial = Vector::from_column_slice(&[0.4, -0.02, 0.5, 1.0]);
@@ -166,6 +182,17 @@ fn structured_fit_is_exact_without_noise_and_finds_the_initial_state() {
     let fit = fitted(&V, &Y, start).unwrap();
     assert!(parameter_error(&fit.parameters) < 1e-11, "{fit:?}");
     assert!((&fit.initial_state - initial).norm() < 1e-11, "{fit:?}");
+    assert!(fit.voltage_offset_v.abs() < 1e-11 && fit.alpha_offset_rad.abs() < 1e-11, "{fit:?}");
+}
+
+/// A gauge that shows 0.03 rad at rest, and a voltage recorded without its 0.2 V: neither may bend the parameters.
+#[test]
+fn offsets_of_gauge_and_voltage_are_found() {
+    let (V, mut Y) = record(2000, 3, &Vector::zeros(4));
+    Y.row_mut(1).add_scalar_mut(0.03);
+    let fit = fitted(&V.add_scalar(-0.2), &Y, LinkParameters { k1: 900.0, k2: 1600.0, c: 40.0, b: 130.0 }).unwrap();
+    assert!(parameter_error(&fit.parameters) < 1e-11, "{fit:?}");
+    assert!((fit.alpha_offset_rad - 0.03).abs() < 1e-11 && (fit.voltage_offset_v - 0.2).abs() < 1e-10, "{fit:?}");
 }
 
 #[test]

@@ -110,3 +110,16 @@ fn default_method_reaches_the_published_fits() {
         assert!(fit >= case.least_fit_percent, "{}: fit {fit:.2} %", case.file);
     }
 }
+
+/// The automatic order costs at most one percent against the orders that the comparisons use.
+#[test]
+fn automatic_order_does_as_well() {
+    for case in &CASES {
+        let Some((inputs, outputs)) = recording(case) else { continue };
+        let options = Options { block_rows: case.block_rows, remove_mean: true, ..Options::default() };
+        let found = identify(&inputs, &outputs, &options).expect(case.file);
+        let fit = mean(&found.fit_percent.expect("half of the record validates"));
+        println!("{:20} order {} by itself: {fit:6.2} %", case.file, found.order);
+        assert!(fit >= case.least_fit_percent - 1.0, "{}: order {}, fit {fit:.2} %", case.file, found.order);
+    }
+}

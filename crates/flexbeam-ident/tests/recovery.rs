@@ -78,6 +78,18 @@ fn many_channels_without_noise_are_exact_by_every_method() {
     }
 }
 
+/// 28 outputs make 600 rows; the signal-to-noise ratio differs from output to output.
+#[test]
+fn twenty_eight_outputs_with_noise_of_ten_percent_have_five_states() {
+    let wanted = system(2, 28);
+    let (U, Y) = record(&wanted, 0.1, 3);
+    let found = identified(U, Y, Method::Auto, Order::Auto);
+    assert_eq!(found.order, 5, "{:?}", &found.singular_values[..8]);
+    let error = response_error(&found.model, &wanted, &[1.0; 2], &[1.0; 28]);
+    println!("28 outputs, 10 % noise: {error:.1e}");
+    assert!(error < 0.02, "{error:e}");
+}
+
 #[test]
 fn many_channels_with_noise_are_close() {
     let wanted = system(2, 3);
