@@ -7,8 +7,10 @@ use crate::Error;
 
 /// One revolution of the load shaft in encoder counts.
 const COUNTS: f64 = 4096.0;
-/// The residual voltage that a stiffness of 7 V/rad turns into 0.15 degree, DESIGN section 6.2.
-const RESIDUAL_V: f64 = 7.0 * STATIONARY_ERROR_RAD;
+/// Part of the breakaway that the inverse law adds: below one by more than the test's own error.
+const INVERSE_SHARE: f64 = 0.95;
+/// Width of the inverse law's ramp, as a part of the larger breakaway: above the noise of u, below what hunts.
+const RAMP_SHARE: f64 = 0.04;
 /// 0.15 degree.
 const STATIONARY_ERROR_RAD: f64 = 0.15 * std::f64::consts::PI / 180.0;
 /// The switched law sticks when eps_u is below u_p or u_p below the breakaway, crawls when just above, and swings when well above.
@@ -83,14 +85,31 @@ pub fn breakaway(
 }
 
 impl Breakaway {
-    /// For the inverse law u_c = u + u_p sat(u/eps_u): u_p is the breakaway, and eps_u leaves v_res = eps_u u_p/(u_p + eps_u)
-    /// = 0.018 V in the stiffer direction (0.15 degree at 7 V/rad). eps_e is that angle, or a count if that is more.
+    /// For the inverse law u_c = u + u_p sat(u/eps_u): u_p just below the breakaway, a narrow ramp, and eps_e 0.15 degree, or
+    /// a count if that is more.
+    ///
+    /// A u_p at the breakaway itself makes the stuck hub creep under the sensors' noise, and a wide ramp hunts: on the paper's
+    /// rig with K(0) = 7 V/rad the full breakaway leaves 0.36 degree and swings, 95 % of it 0.16 degree and rests.
     pub fn inverse_thresholds(&self, resolution_rad: f64) -> Thresholds {
-        let larger = self.plus_v.max(-self.minus_v);
-        // A breakaway near v_res itself needs no compensation: the ramp becomes as wide as u_p.
-        let eps_u_v = if larger > 2.0 * RESIDUAL_V { RESIDUAL_V * larger / (larger - RESIDUAL_V) } else { larger };
-        let eps_e_rad = STATIONARY_ERROR_RAD.max(resolution_rad);
-        Thresholds { u_p_plus_v: self.plus_v, u_p_minus_v: -self.minus_v, eps_u_v, eps_e_rad }
+        Thresholds {
+            u_p_plus_v: INVERSE_SHARE * self.plus_v,
+            u_p_minus_v: -INVERSE_SHARE * self.minus_v,
+            eps_u_v: RAMP_SHARE * self.plus_v.max(-self.minus_v),
+            eps_e_rad: STATIONARY_ERROR_RAD.max(resolution_rad),
+        }
+    }
+
+    /// v_res: the largest |u| behind the inverse law at which the hub may still stick [V].
+    ///
+    /// u + u_p sat(u/eps_u) reaches the breakaway V_b at u = V_b - u_p beyond the ramp, at u = V_b eps_u/(eps_u + u_p) on it,
+    /// which is DESIGN section 7's formula when u_p = V_b.
+    pub fn residual_v(&self, thresholds: &Thresholds) -> f64 {
+        let eps_u = thresholds.eps_u_v;
+        let one_way = |breakaway: f64, u_p: f64| {
+            let beyond = breakaway - u_p;
+            if beyond >= eps_u { beyond } else { breakaway * eps_u / (eps_u + u_p) }
+        };
+        one_way(self.plus_v, thresholds.u_p_plus_v).max(one_way(-self.minus_v, thresholds.u_p_minus_v))
     }
 
     /// For the switched law: u_p 15 % above the breakaway, eps_u 15 % above the larger u_p.
@@ -215,9 +234,13 @@ mod tests {
     fn thresholds_keep_the_residual_voltage() {
         let found = Breakaway { plus_v: 0.28, minus_v: -0.10, plus_sample: 0, minus_sample: 0 };
         let inverse = found.inverse_thresholds(Detection::default().resolution_rad);
-        for u_p in [inverse.u_p_plus_v, inverse.u_p_minus_v] {
-            assert!(inverse.eps_u_v * u_p / (u_p + inverse.eps_u_v) < RESIDUAL_V * (1.0 + 1e-12));
-        }
+        // The applied voltage reaches the breakaway exactly at the residual voltage, in the direction that is stiffer.
+        let u = found.residual_v(&inverse);
+        let applied = u + inverse.u_p_plus_v * (u / inverse.eps_u_v).min(1.0);
+        assert!((applied - found.plus_v).abs() < 1e-12, "{applied}");
+        let full = Thresholds { u_p_plus_v: 0.28, u_p_minus_v: 0.10, ..inverse };
+        let design = 0.28 * inverse.eps_u_v / (0.28 + inverse.eps_u_v);
+        assert!((found.residual_v(&full) - design).abs() < 1e-12);
         let switched = found.switched_thresholds(Detection::default().resolution_rad);
         assert!(switched.eps_u_v > switched.u_p_plus_v && switched.u_p_plus_v > found.plus_v);
         assert!(switched.u_p_minus_v > -found.minus_v);
