@@ -49,7 +49,8 @@ impl Method {
 /// Order of the model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Order {
-    /// From the singular values, [`crate::order`].
+    /// From the MOESP-weighted singular values: the place of their largest drop when that is 10^4 or more (data without
+    /// noise), else the number above 2 omega times their median, omega after Gavish and Donoho 2014.
     #[default]
     Auto,
     /// This order.
@@ -67,7 +68,8 @@ pub struct Options {
     pub method: Method,
     /// Part of the samples, from the first on, that estimates; the rest validates. Default 0.5; 1 leaves nothing to validate.
     pub estimate: f64,
-    /// Remove the means of the estimating part from both parts. Default false.
+    /// Remove the means of the estimating part from both parts. Default false: a system that integrates turns the mean taken
+    /// from its input into a drift, so a recording of the hub angle does better without.
     pub remove_mean: bool,
     /// Append a row of ones to the Hankel matrices: each Hankel row loses its own offset, which a drifting record likes. It
     /// acts on A and C only; B, D and x(0) see the offset that is left. Default false.

@@ -2,6 +2,32 @@
 //!
 //! Enters: signals. Leaves: state space models, physical parameters, thresholds, and what they were judged by.
 //! Deliberately absent: controllers, files, the rig itself.
+//!
+//! The paper's (18), from a recording of its own linear model and back:
+//!
+//! ```
+//! use flexbeam_ident::physical::{LinkParameters, physical_form};
+//! use flexbeam_ident::{Options, excitation, identify};
+//! use flexbeam_lti::{Mat, Signals, Vector, sampling::zoh, simulation::simulate};
+//!
+//! let period_s = 0.001;
+//! let plant = LinkParameters { k1: 1060.8, k2: 1465.2, c: 57.7, b: 107.39 }.state_space();
+//! let voltage_v = Mat::from_row_slice(1, 2000, &excitation::white_gaussian(2000, 2.0, 10.0, 1));
+//! let angles_rad = simulate(&zoh(&plant, period_s)?, &voltage_v, &Vector::zeros(4))?;
+//!
+//! let signals = |names: &[&str], unit: &str, data| {
+//!     let units = vec![unit.to_string(); names.len()];
+//!     Signals::new(names.iter().map(|n| n.to_string()).collect(), units, period_s, data)
+//! };
+//! let inputs = signals(&["voltage"], "v", voltage_v)?;
+//! let outputs = signals(&["theta", "alpha"], "rad", angles_rad)?;
+//! let found = identify(&inputs, &outputs, &Options::default())?;
+//! assert_eq!(found.order, 4);
+//! let form = physical_form(&found.continuous?, 0, 1)?;
+//! assert!((form.parameters.k1 - 1060.8).abs() < 1e-7);
+//! assert!((form.model.A[(3, 1)] + 1465.2).abs() < 1e-7);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod breakaway;
 mod error;
