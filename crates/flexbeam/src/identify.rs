@@ -1,0 +1,226 @@
+//! `flexbeam identify`: a recording becomes a model.
+//!
+//! Enters: a recording and settings. Leaves: a model file, figures, one answer. Deliberately absent: the identification
+//! itself, which `flexbeam-ident` owns.
+
+mod link;
+mod pictures;
+mod table;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Instant;
+
+use flexbeam_files as files;
+use flexbeam_files::{
+    ColumnName, Document, IdentifyResult, Identification, Layout, Matrices, Model, Recording, Rows, json_text, pairs,
+};
+use flexbeam_ident::{Identified, Options, Order, identify};
+use flexbeam_lti::Signals;
+
+use crate::output::{overwrite, provenance};
+use crate::{Failure, cli};
+pub(crate) use link::Link;
+pub(crate) use table::physical_table;
+
+/// A recording, parted into what goes in and what comes out.
+pub(crate) struct Experiment {
+    /// Inputs, SI units.
+    pub inputs: Signals,
+    /// Outputs, SI units.
+    pub outputs: Signals,
+}
+
+/// What was found, and how long it took.
+pub(crate) struct Found {
+    /// The model and what it was judged by.
+    pub identified: Identified,
+    /// The flexible link's own coordinates and numbers, where the model has its pattern.
+    pub link: Option<Link>,
+    /// Time of the identification itself [s].
+    pub identify_s: f64,
+}
+
+/// `flexbeam identify`.
+pub fn run(arguments: &cli::Identify) -> Result<(), Failure> {
+    let replace = overwrite::<Model>(&arguments.out, arguments.force)?;
+    let experiment = Experiment::read(arguments)?;
+    let options = options(arguments);
+    let found = Found::of(&experiment, &options)
+        .map_err(Failure::while_trying(format!("identify {}", arguments.recording.display())))?;
+    found.notes(arguments);
+
+    let model = found.model_file(&experiment, &options, &arguments.recording, &arguments.out)?;
+    model.write(&arguments.out, replace)?;
+    if let Some(folder) = &arguments.plots {
+        pictures::draw(folder, &experiment, &found, &options)?;
+    }
+    match arguments.json {
+        true => println!("{}", json_text(&found.result(&experiment, &options))),
+        false => print!("{}", table::text(arguments, &experiment, &found)),
+    }
+    Ok(())
+}
+
+fn options(arguments: &cli::Identify) -> Options {
+    Options {
+        block_rows: arguments.block_rows,
+        order: arguments.order,
+        method: match arguments.method {
+            cli::Method::Auto => flexbeam_ident::Method::Auto,
+            cli::Method::Paper => flexbeam_ident::Method::Paper,
+            cli::Method::N4sid => flexbeam_ident::Method::N4sid,
+            cli::Method::Moesp => flexbeam_ident::Method::Moesp,
+            cli::Method::Cva => flexbeam_ident::Method::Cva,
+        },
+        estimate: arguments.estimate,
+        remove_mean: arguments.remove_mean,
+        ..Options::default()
+    }
+}
+
+/// The method by the name that files carry.
+fn method_name(method: flexbeam_ident::Method) -> &'static str {
+    match method {
+        flexbeam_ident::Method::Auto | flexbeam_ident::Method::Moesp => "moesp",
+        flexbeam_ident::Method::Paper => "paper",
+        flexbeam_ident::Method::N4sid => "n4sid",
+        flexbeam_ident::Method::Cva => "cva",
+    }
+}
+
+impl Experiment {
+    fn read(arguments: &cli::Identify) -> Result<Experiment, Failure> {
+        let columns = Some(arguments.columns.clone()).filter(|columns| !columns.is_empty());
+        let layout = Layout { columns, period_s: arguments.period };
+        let recording = Recording::read(&arguments.recording, &layout)?.into_si();
+        Experiment::of(&recording, &arguments.inputs, &arguments.outputs)
+    }
+
+    /// The columns of these names; `theta_deg` is found as `theta_rad`, in SI units as the recording is.
+    ///
+    /// Errors: a column that is not there, or is named twice.
+    pub fn of(recording: &Recording, inputs: &[String], outputs: &[String]) -> Result<Experiment, Failure> {
+        let names: Vec<String> = inputs.iter().chain(outputs).map(|name| si_name(name)).collect();
+        let all = recording.select(&names)?;
+        let rows = |first: usize, count: usize| Signals {
+            names: all.names[first..first + count].to_vec(),
+            units: all.units[first..first + count].to_vec(),
+            period_s: all.period_s,
+            data: all.data.rows(first, count).into_owned(),
+        };
+        Ok(Experiment { inputs: rows(0, inputs.len()), outputs: rows(inputs.len(), outputs.len()) })
+    }
+}
+
+fn si_name(name: &str) -> String {
+    let column = ColumnName::of(name);
+    if column.unit == column.si_unit { name.into() } else { format!("{}_{}", column.quantity, column.si_unit) }
+}
+
+impl Found {
+    /// Identification, and where the model has its pattern the flexible link's numbers.
+    ///
+    /// Errors: those of [`identify`].
+    pub fn of(experiment: &Experiment, options: &Options) -> Result<Found, flexbeam_ident::Error> {
+        let start = Instant::now();
+        let identified = identify(&experiment.inputs, &experiment.outputs, options)?;
+        let identify_s = start.elapsed().as_secs_f64();
+        let link = Link::of(experiment, &identified);
+        Ok(Found { identified, link, identify_s })
+    }
+
+    /// What a person should know besides the figures: on standard error.
+    fn notes(&self, arguments: &cli::Identify) {
+        let Identified { singular_values, order, .. } = &self.identified;
+        if arguments.order == Order::Auto {
+            let next = singular_values.get(*order).copied().unwrap_or(0.0);
+            eprintln!(
+                "order {order} by the rule: singular value {order} is {:.3e}, the next one {next:.3e}; \
+                 --plots DIR draws them, --order N decides otherwise",
+                singular_values[order - 1],
+            );
+        }
+        if let Err(why) = &self.identified.continuous {
+            eprintln!("no continuous model: {why}\nhint: another --order, or a shorter sample period");
+        }
+        if let Some(why) = self.link.as_ref().and_then(|link| link.fit.as_ref().err()) {
+            eprintln!("no physical parameters: {why}");
+        }
+    }
+
+    /// The sampled model with its tables `continuous`, `physical`, `validation` and `identification`.
+    ///
+    /// Errors: a recording that vanished meanwhile.
+    pub fn model_file(
+        &self,
+        experiment: &Experiment,
+        options: &Options,
+        recording: &Path,
+        out: &Path,
+    ) -> Result<Model, Failure> {
+        let identified = &self.identified;
+        let (inputs, outputs) = (&experiment.inputs, &experiment.outputs);
+        let fits = self.fits(experiment).into_iter().filter_map(|(name, fit)| Some((name, fit?)));
+        let validation = identified.fit_percent.as_ref().map(|_| files::Validation {
+            fit_percent: fits.collect(),
+            samples: Some(inputs.samples() - identified.estimation_samples),
+        });
+        Ok(Model {
+            continuous: self.continuous().map(Matrices::from),
+            physical: self.physical(),
+            validation,
+            identification: Some(Identification {
+                method: method_name(options.method).into(),
+                block_rows: identified.block_rows,
+                order: identified.order,
+                singular_values: identified.singular_values.clone(),
+                initial_state: Some(identified.initial_state.as_slice().to_vec()),
+                estimate: Some(options.estimate),
+                samples: Some(identified.estimation_samples),
+                remove_mean: Some(options.remove_mean),
+            }),
+            provenance: Some(provenance(&[recording], out)?),
+            ..Model::new(&identified.model, inputs.names.clone(), outputs.names.clone())
+        })
+    }
+
+    /// The continuous model, in (18)'s coordinates where it has them.
+    fn continuous(&self) -> Option<&flexbeam_lti::StateSpace> {
+        let physical = self.link.as_ref().and_then(|link| link.model.as_ref());
+        physical.or(self.identified.continuous.as_ref().ok())
+    }
+
+    fn physical(&self) -> Option<files::Physical> {
+        self.link.as_ref().and_then(|link| link.fit.as_ref().ok()).map(link::physical_table)
+    }
+
+    /// Fit by output's name; nothing where the simulation overflowed or nothing was left to validate.
+    fn fits(&self, experiment: &Experiment) -> BTreeMap<String, Option<f64>> {
+        let fit = |k: usize| self.identified.fit_percent.as_ref().map(|fits| fits[k]).filter(|fit| fit.is_finite());
+        experiment.outputs.names.iter().enumerate().map(|(k, name)| (name.clone(), fit(k))).collect()
+    }
+
+    fn result(&self, experiment: &Experiment, options: &Options) -> IdentifyResult {
+        let Identified { model, initial_state, singular_values, order, block_rows, continuous, .. } = &self.identified;
+        IdentifyResult {
+            order: *order,
+            period_s: experiment.inputs.period_s,
+            block_rows: *block_rows,
+            method: method_name(options.method).into(),
+            singular_values: singular_values.clone(),
+            poles: pairs(&model.poles()),
+            continuous_poles: continuous.as_ref().ok().map(|model| pairs(&model.poles())),
+            fit_percent: self.fits(experiment),
+            physical: self.physical(),
+            inputs: experiment.inputs.names.clone(),
+            outputs: experiment.outputs.names.clone(),
+            A: Rows::from(&model.A),
+            B: Rows::from(&model.B),
+            C: Rows::from(&model.C),
+            D: Rows::from(&model.D),
+            initial_state: initial_state.as_slice().to_vec(),
+            identify_s: self.identify_s,
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! `flexbeam record`: white Gaussian voltage through the simulated rig, into a CSV file with a note beside it.
+
+use std::path::Path;
+
+use flexbeam_files::{
+    Document, FEWEST_ROWS, Note, Overwrite, RecordResult, check_free, csv_text, json_text, sha256_hex, write_bytes,
+};
+use flexbeam_ident::excitation::white_gaussian;
+use flexbeam_lti::Signals;
+use flexbeam_report::significant;
+use flexbeam_rig::{Link, RigParameters, SimulatedRig, open_loop};
+
+use crate::output::{overwrite, provenance};
+use crate::rig_file::rig_parameters;
+use crate::{Failure, cli};
+
+/// A setting of the experiment that makes no recording.
+#[derive(Debug, thiserror::Error)]
+#[error("found {setting} {found} {unit}, needed {needed}\nhint: {hint}")]
+struct NoExperiment {
+    setting: &'static str,
+    found: f64,
+    unit: &'static str,
+    needed: String,
+    hint: &'static str,
+}
+
+/// `flexbeam record`.
+pub fn run(arguments: &cli::Record) -> Result<(), Failure> {
+    let (csv, note) = (&arguments.out, Note::path_for(&arguments.out));
+    let replace = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
+    check_free(csv, replace)?;
+    let replace_note = overwrite::<Note>(&note, arguments.force)?;
+
+    let mut parameters = rig_parameters(arguments.rig.as_deref())?;
+    parameters.period_s = arguments.period.unwrap_or(parameters.period_s);
+    if arguments.linear {
+        parameters = RigParameters { link: Link::Lumped, ..parameters.linear() };
+    }
+    let signals = excited(&parameters, arguments.duration, arguments.rms, arguments.seed)
+        .map_err(|error| Failure::Input { tried: format!("record {}", csv.display()), error })?;
+
+    let bytes = csv_text(&signals, None).into_bytes();
+    let parents: Vec<&Path> = arguments.rig.iter().map(|path| path.as_path()).collect();
+    let text = Note::new(&signals, &bytes, provenance(&parents, &note)?).to_toml(&note)?;
+    write_bytes(csv, &bytes, replace)?;
+    write_bytes(&note, text.as_bytes(), replace_note)?;
+    answer(arguments, &signals, &bytes);
+    Ok(())
+}
+
+/// White Gaussian voltage of this rms, and what the rig's sensors read.
+///
+/// Errors: a duration, period or rms of which no recording can be made; those of the rig.
+pub(crate) fn excited(
+    parameters: &RigParameters,
+    duration_s: f64,
+    rms_v: f64,
+    seed: u64,
+) -> Result<Signals, Box<dyn std::error::Error>> {
+    let wrong = |setting, found, unit, needed, hint| Err(NoExperiment { setting, found, unit, needed, hint }.into());
+    let period_s = parameters.period_s;
+    if !(period_s > 0.0 && period_s.is_finite()) {
+        return wrong("a sample period of", period_s, "s", "a positive number".into(), "1 ms suits the beam: --period 0.001");
+    }
+    let samples = (duration_s / period_s).round();
+    if !(samples >= FEWEST_ROWS as f64 && samples <= MOST_SAMPLES) {
+        let needed = format!("{FEWEST_ROWS} to {MOST_SAMPLES:e} samples of {period_s} s");
+        return wrong("a duration of", duration_s, "s", needed, "ten seconds are plenty: --duration 10");
+    }
+    if !(rms_v > 0.0 && rms_v.is_finite()) {
+        return wrong("an rms voltage of", rms_v, "V", "a positive number".into(), "the paper's figure shows about --rms 2");
+    }
+    let voltage_v = white_gaussian(samples as usize, rms_v, parameters.actuator.limit_v, seed);
+    // The sensors' noise must not be the excitation once more: another seed, as far from this one as can be.
+    let mut rig = SimulatedRig::new(parameters, !seed)?;
+    Ok(open_loop(&mut rig, &voltage_v)?)
+}
+
+/// A day at 1 kHz; beyond it the CSV file fills memory.
+const MOST_SAMPLES: f64 = 1e8;
+
+fn answer(arguments: &cli::Record, signals: &Signals, bytes: &[u8]) {
+    let file = arguments.out.display().to_string();
+    if arguments.json {
+        let voltage_v = signals.data.row(0);
+        println!(
+            "{}",
+            json_text(&RecordResult {
+                file,
+                sha256: sha256_hex(bytes),
+                columns: signals.names.clone(),
+                samples: signals.samples(),
+                period_s: signals.period_s,
+                rms_v: voltage_v.norm() / (signals.samples() as f64).sqrt(),
+                seed: arguments.seed,
+            })
+        );
+        return;
+    }
+    let length_s = signals.samples() as f64 * signals.period_s;
+    println!(
+        "{file}: {} samples of {} ({} s), columns {}; seed {}",
+        signals.samples(),
+        flexbeam_report::engineering(signals.period_s, 4, "s"),
+        significant(length_s, 4),
+        signals.names.join(", "),
+        arguments.seed
+    );
+    println!("next: flexbeam identify {file}{}", if arguments.linear { " --order 4" } else { "" });
+}

@@ -1,0 +1,149 @@
+//! `flexbeam rig test`: a slow ramp in both directions, where the hub breaks away, and the settings that follow.
+
+use std::path::Path;
+
+use flexbeam_files as files;
+use flexbeam_files::{Controller, Document, Overwrite, RigTestResult, json_text};
+use flexbeam_ident::breakaway::{Breakaway, Detection, Thresholds, breakaway as breakaway_of};
+use flexbeam_ident::excitation::SlowRamp;
+use flexbeam_report::{Cell, Table};
+use flexbeam_rig::{RigParameters, SimulatedRig, open_loop};
+
+use crate::rig_file::rig_parameters;
+use crate::{Failure, cli};
+
+/// A ramp that cannot be driven.
+#[derive(Debug, thiserror::Error)]
+#[error("found {setting} {found}, needed a positive number\nhint: {hint}")]
+struct NoRamp {
+    setting: &'static str,
+    found: f64,
+    hint: &'static str,
+}
+
+/// `flexbeam rig test`.
+pub fn run(arguments: &cli::RigTest) -> Result<(), Failure> {
+    let controller = arguments.apply_to.as_deref().map(Controller::read).transpose()?;
+    let parameters = rig_parameters(arguments.rig.as_deref())?;
+    let ramp = SlowRamp { peak_v: arguments.highest, rate_v_s: arguments.slope, rest_s: arguments.rest };
+    let (found, detection) = breakaway(&parameters, &ramp, arguments.seed)?;
+
+    let law = law(arguments.law, controller.as_ref());
+    let thresholds = match law {
+        files::Law::Switched => found.switched_thresholds(detection.resolution_rad),
+        _ => found.inverse_thresholds(detection.resolution_rad),
+    };
+    if let (Some(controller), Some(path)) = (controller, &arguments.apply_to) {
+        apply(controller, path, law, &found, &thresholds)?;
+    }
+    answer(arguments, law, &found, &thresholds);
+    Ok(())
+}
+
+/// The breakaway voltages of the simulated rig, by a slow ramp in both directions, and how the movement was detected.
+///
+/// Errors: a ramp without height or slope; a hub that the ramp does not move.
+pub(crate) fn breakaway(
+    parameters: &RigParameters,
+    ramp: &SlowRamp,
+    seed: u64,
+) -> Result<(Breakaway, Detection), Failure> {
+    let tried = "measure the breakaway voltages";
+    let positive = [
+        ("a highest voltage of", ramp.peak_v, "well above the breakaway: --highest 0.6"),
+        ("a slope of", ramp.rate_v_s, "slower than the hub can follow: --slope 0.02"),
+        ("a rest of", ramp.rest_s, "until the beam hangs still: --rest 60"),
+    ];
+    if let Some(&(setting, found, hint)) = positive.iter().find(|(_, x, _)| !(*x > 0.0 && x.is_finite())) {
+        return Err(Failure::while_trying(tried)(NoRamp { setting, found, hint }));
+    }
+    let mut rig = SimulatedRig::new(parameters, seed).map_err(Failure::while_trying(tried))?;
+    let voltage_v = ramp.voltage(parameters.period_s);
+    let signals = open_loop(&mut rig, &voltage_v).map_err(Failure::while_trying(tried))?;
+    let theta_rad: Vec<f64> = signals.data.row(1).iter().copied().collect();
+    let detection = detection(parameters);
+    let found = breakaway_of(&voltage_v, &theta_rad, parameters.period_s, &detection)
+        .map_err(Failure::while_trying(tried))?;
+    Ok((found, detection))
+}
+
+/// The encoder's resolution stands on its data sheet; an exact one is taken as the usual one.
+fn detection(parameters: &RigParameters) -> Detection {
+    let counts = parameters.sensors.encoder.counts_per_turn;
+    let resolution_rad = counts.map(|counts| std::f64::consts::TAU / f64::from(counts));
+    let usual = Detection::default();
+    Detection { resolution_rad: resolution_rad.unwrap_or(usual.resolution_rad), ..usual }
+}
+
+/// The law asked for, that of the controller, or the inverse law.
+fn law(asked: Option<cli::Law>, controller: Option<&Controller>) -> files::Law {
+    match asked {
+        Some(cli::Law::None) => files::Law::None,
+        Some(cli::Law::Switched) => files::Law::Switched,
+        Some(cli::Law::Inverse) => files::Law::Inverse,
+        None => controller.and_then(|controller| controller.settings.law).unwrap_or(files::Law::Inverse),
+    }
+}
+
+/// The controller with these settings, in place of the old file.
+fn apply(
+    mut controller: Controller,
+    path: &Path,
+    law: files::Law,
+    found: &Breakaway,
+    thresholds: &Thresholds,
+) -> Result<(), Failure> {
+    controller.settings = files::Settings {
+        law: Some(law),
+        breakaway_plus_v: Some(found.plus_v),
+        breakaway_minus_v: Some(-found.minus_v),
+        u_p_plus_v: Some(thresholds.u_p_plus_v),
+        u_p_minus_v: Some(thresholds.u_p_minus_v),
+        eps_u_v: Some(thresholds.eps_u_v),
+        eps_e_rad: Some(thresholds.eps_e_rad),
+        ..controller.settings
+    };
+    controller.write(path, Overwrite::SameKind)?;
+    eprintln!("{}: settings replaced; the certificate's figures of the linear loop stay as they were", path.display());
+    Ok(())
+}
+
+fn answer(arguments: &cli::RigTest, law: files::Law, found: &Breakaway, thresholds: &Thresholds) {
+    if arguments.json {
+        let result = RigTestResult {
+            breakaway_plus_v: found.plus_v,
+            breakaway_minus_v: found.minus_v,
+            law,
+            u_p_plus_v: thresholds.u_p_plus_v,
+            u_p_minus_v: thresholds.u_p_minus_v,
+            eps_u_v: thresholds.eps_u_v,
+            eps_e_rad: thresholds.eps_e_rad,
+            applied_to: arguments.apply_to.as_ref().map(|path| path.display().to_string()),
+        };
+        println!("{}", json_text(&result));
+        return;
+    }
+    println!("{}", table(law, found, thresholds).text());
+    if arguments.apply_to.is_none() {
+        println!("next: flexbeam rig test --apply-to controller.toml writes these settings into a controller");
+    }
+}
+
+fn table(law: files::Law, found: &Breakaway, thresholds: &Thresholds) -> Table {
+    let name = match law {
+        files::Law::Switched => "switched law",
+        files::Law::Inverse => "inverse law",
+        files::Law::None => "inverse law (the controller uses none)",
+    };
+    let rows: [(&str, f64, &str, &str); 6] = [
+        ("breakaway forward", found.plus_v, "V", "measured"),
+        ("breakaway backward", found.minus_v, "V", "measured"),
+        ("u_p forward", thresholds.u_p_plus_v, "V", name),
+        ("u_p backward (magnitude)", thresholds.u_p_minus_v, "V", name),
+        ("eps_u", thresholds.eps_u_v, "V", name),
+        ("eps_e", thresholds.eps_e_rad.to_degrees(), "degree", name),
+    ];
+    rows.into_iter().fold(Table::new(&[("", ""), ("value", ""), ("unit", ""), ("from", "")]), |table, (what, x, unit, from)| {
+        table.row([what.into(), Cell::Number(format!("{x:+.4}")), unit.into(), from.into()])
+    })
+}
