@@ -17,7 +17,7 @@ pub(crate) fn image_magnitude(alpha_w: &Zpk, angle: f64, period_s: f64) -> f64 {
 /// sup |alpha_w K/(1 + G K)| on the circle |z| = e^(-degree Ts).
 ///
 /// Assumes: no closed-loop pole beyond the circle (a count proves it); without that the figure means nothing.
-/// Numerics: grid dense around each pole of plant and controller, halved where the function bends, golden section at each
+/// Numerics: grid dense around each pole of plant, controller and loop, halved where the function bends, golden section at each
 /// rival peak; relative error 1e-9.
 /// Source: DESIGN 6.6.
 pub fn bound_norm(L: &Loop<'_>, alpha_w: &Zpk, degree: f64) -> Peak {
@@ -29,8 +29,16 @@ pub fn bound_norm(L: &Loop<'_>, alpha_w: &Zpk, degree: f64) -> Peak {
         // K/(1 + G K) = 1/(1/K + G): right at a pole of K, too.
         image_magnitude(alpha_w, angle, timing.period_s) / (K.inv() + G).norm()
     };
-    let (angle, value) = sweep::supremum(&sweep::angles(&L.open_poles(), radius, LOWEST), 0.0, weighted);
+    let (angle, value) = sweep::supremum(&closed_loop_angles(L, radius), 0.0, weighted);
     Peak { value, omega_rad_s: angle / timing.period_s }
+}
+
+/// Angles that are dense at the open-loop poles and at the closed-loop poles near the circle.
+pub(crate) fn closed_loop_angles(L: &Loop<'_>, radius: f64) -> Vec<f64> {
+    let mut poles = L.open_poles();
+    let open = sweep::angles(&poles, radius, LOWEST);
+    poles.extend(L.resonances(&open, radius));
+    sweep::angles(&poles, radius, LOWEST)
 }
 
 /// sup |alpha(jw)|/|alpha_w(jv)| over the base band: at most 1 when the image lies above the bound.

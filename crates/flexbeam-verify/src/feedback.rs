@@ -86,7 +86,7 @@ impl Feedback {
     /// 1/K(0) [rad/V]: how far a constant volt at the plant's input moves the tip; 0 with integral action, infinite for a
     /// controller that gives way.
     ///
-    /// Numerics: [`limit_at_one`] of 1/K; unlike C (I - A)^-1 B + D it does not ask for a regular I - A.
+    /// Numerics: the limit at z = 1 of 1/K by extrapolation; unlike C (I - A)^-1 B + D it does not ask for a regular I - A.
     pub fn compliance_rad_per_v(&self) -> f64 {
         limit_at_one(self.period_s, |z| self.at(z).0.inv().re)
     }
@@ -154,6 +154,11 @@ fn by_reach(controller: &StateSpace) -> (Vec<usize>, Vec<usize>) {
     (0..n).partition(|&i| reached[i])
 }
 
+/// Newton's iteration settles in a handful of steps from a start as near as the next angle.
+const NEWTON_STEPS: usize = 8;
+/// Two zeros nearer than this part of a step are one.
+const SAME_POLE: f64 = 1e-3;
+
 /// The loop gain L = G K around a sampled plant.
 pub struct Loop<'a> {
     /// The plant.
@@ -187,6 +192,38 @@ impl<'a> Loop<'a> {
         let mut poles = self.plant.poles();
         poles.extend_from_slice(self.feedback.poles());
         poles
+    }
+
+    /// Closed-loop poles near the circle, by Newton's iteration on 1 + L from each of the angles; none where L has no slope.
+    ///
+    /// 1 + L is smooth from one angle to the next, its inverse is not: a sweep of the inverse must know where to look.
+    pub(crate) fn resonances(&self, angles: &[f64], radius: f64) -> Vec<C64> {
+        let mut found: Vec<C64> = Vec::new();
+        for w in angles.windows(2) {
+            let start = C64::from_polar(radius, 0.5 * (w[0] + w[1]));
+            let Some(z) = self.newton(start, w[1] - w[0]) else { continue };
+            if found.iter().all(|known| (known - z).norm() > SAME_POLE * (w[1] - w[0])) {
+                found.push(z);
+            }
+        }
+        found
+    }
+
+    /// A zero of 1 + L within `reach` of the start.
+    fn newton(&self, start: C64, reach: f64) -> Option<C64> {
+        let mut z = start;
+        for _ in 0..NEWTON_STEPS {
+            let (gain, slope) = self.gain(z);
+            let step = (gain + 1.0) / slope?;
+            z -= step;
+            if !((z - start).norm() <= reach) {
+                return None;
+            }
+            if step.norm() <= f64::EPSILON {
+                break;
+            }
+        }
+        Some(C64::new(z.re, z.im.abs()))
     }
 
     /// The loop's timing.

@@ -2,6 +2,7 @@
 //!
 //! Enters: a stable loop. Leaves: margins at the plant's input. Absent: eigenvalues.
 
+use crate::bound::closed_loop_angles;
 use crate::feedback::Loop;
 use crate::sweep;
 use flexbeam_lti::C64;
@@ -52,6 +53,6 @@ pub fn margins(L: &Loop<'_>) -> Margins {
         let gain = at(angle);
         ((1.0 - gain) / (1.0 + gain)).norm()
     };
-    margins.disk = 2.0 / sweep::supremum(&angles, 0.0, difference).1;
+    margins.disk = 2.0 / sweep::supremum(&closed_loop_angles(L, 1.0), 0.0, difference).1;
     margins
 }

@@ -7,7 +7,7 @@ use crate::sweep::{self, Peak};
 use flexbeam_lti::C64;
 
 /// A mismatch below this is rounding.
-const NOISE: f64 = 1e-7;
+const NOISE: f64 = 1e-9;
 /// Lowest angle [rad] of a sweep.
 const LOWEST: f64 = 1e-7;
 
@@ -30,16 +30,17 @@ pub fn matching_error(L: &Loop<'_>) -> Peak {
 /// sup |1 - prod (z - stated pole)/prod (z - open-loop pole)/(1 + L)| on the unit circle.
 ///
 /// The closed-loop poles are the zeros of 1 + L, and its poles are the open-loop ones, so the quotient is 1 everywhere for the right
-/// poles, however close together they lie. Infinite when their number is not that of the open-loop poles.
+/// poles, however close together they lie. Where the two numbers differ the shorter list is filled with poles at z = 0: a minimal
+/// realisation has lost the period of delay that the filter's zero takes away, another one has kept it.
 /// Assumes: no open-loop pole on the circle but at z = 1.
 pub fn pole_mismatch(L: &Loop<'_>, stated: &[C64]) -> Peak {
     let open = L.open_poles();
-    if stated.len() != open.len() {
-        return Peak { value: f64::INFINITY, omega_rad_s: 0.0 };
-    }
+    let hidden = open.len() as i32 - stated.len() as i32;
+    let both = stated.len().max(open.len());
     let mismatch = |angle: f64| {
         let z = C64::from_polar(1.0, angle);
-        let quotient = stated.iter().zip(&open).fold(C64::ONE, |x, (p, q)| x * (z - p) / (z - q));
+        let factor = |poles: &[C64], k: usize| poles.get(k).map_or(C64::ONE, |p| z - p);
+        let quotient = (0..both).fold(z.powi(hidden), |x, k| x * factor(stated, k) / factor(&open, k));
         (quotient / (L.gain(z).0 + 1.0) - 1.0).norm()
     };
     let mut near = open.clone();

@@ -144,8 +144,8 @@ const DEGREE: Tolerance = (1e-5, "eigenvalues of a multiple closed-loop pole car
 const MARGIN: Tolerance = (1e-6, "crossings are simple roots on both sides");
 const STIFFNESS: Tolerance = (1e-6, "K(0) is a limit at z = 1, next to the slowest poles of K");
 const ERROR: Tolerance = (1e-8, "half a microdegree: far below one encoder count");
-const POLES: Tolerance = (1e-4, "a wrong pole shows by its own relative error; rounding of multiple poles does not");
-const MATCHING: Tolerance = (1e-5, "y = M v by construction; sampled zeros of the plant are known to 1e-9");
+const POLES: Tolerance = (1e-6, "a wrong pole shows by its own relative error; rounding of multiple poles does not");
+const MATCHING: Tolerance = (1e-7, "y = M v by construction; sampled zeros of the plant are known to 1e-9");
 const COVER: Tolerance = (1e-9, "a rational function evaluated twice");
 const EXACT: Tolerance = (0.0, "a limit");
 
@@ -153,7 +153,7 @@ const EXACT: Tolerance = (0.0, "a limit");
 ///
 /// Returns: figures that could not be recomputed hold a NaN and do not agree.
 /// Errors: [`Error`] for what is no plant, no controller, or has another period.
-/// Numerics: some ten thousand evaluations of the loop gain, a tenth of a second.
+/// Numerics: some ten thousand evaluations of the loop gain, 20 milliseconds.
 /// Source: DESIGN 6, the certificate.
 pub fn verify(subject: &Subject<'_>, claim: &Claim) -> Result<Verdict, Error> {
     use Comparison::{AtLeast, AtMost, Equal, EqualInverse, EqualOrSmall};

@@ -95,6 +95,22 @@ fn bound_norm_is_the_supremum_of_a_dense_sweep_and_the_hamiltonians() {
     assert!((found.value / hamiltonian - 1.0).abs() < 1e-8, "{} {hamiltonian}", found.value);
 }
 
+#[test]
+fn a_narrow_peak_is_found_beside_a_broad_one_that_outshines_it_on_the_grid() {
+    let made = made(TIMING, 3.0);
+    let L = Loop::new(&made.plant, &made.feedback).unwrap();
+    let degree = stability_degree(&L).unwrap();
+    // Flat, then a hump at high frequency; the nearer the circle to the closed-loop pole, the narrower the peak there.
+    for (nearness, hump) in [(1e-3, 40.0), (1e-4, 200.0), (1e-5, 1e3)] {
+        let corner = |s: f64| C64::from(-s);
+        let alpha = Zpk { zeros: vec![corner(200.0)], poles: vec![corner(200.0 * hump)], gain: hump };
+        let beta = degree * (1.0 - nearness);
+        let found = bound_norm(&L, &alpha, beta).value;
+        let hamiltonian = hamiltonian_norm(&made.controller, &alpha, beta);
+        assert!((found / hamiltonian - 1.0).abs() < 1e-3 * nearness.sqrt(), "{nearness}: {found} {hamiltonian}");
+    }
+}
+
 /// The same by lti's level-set iteration on an explicit closed loop in the w-plane.
 fn hamiltonian_norm(controller: &StateSpace, alpha: &Zpk, beta: f64) -> f64 {
     use flexbeam_lti::{Time, connections, norm, sampling};
