@@ -56,6 +56,11 @@ pub struct Design {
     pub uncertainty_num: Vec<f64>,
     /// Denominator of alpha(s), highest power first.
     pub uncertainty_den: Vec<f64>,
+    /// Numerator of the bound in the w-plane, w = (2/Ts)(z - 1)/(z + 1), highest power first: at least |alpha(jw)| on
+    /// |w| <= pi/Ts, and the weight of the sampled `bound_norm` [rad/V].
+    pub sampled_uncertainty_num: Vec<f64>,
+    /// Denominator of that bound, highest power first.
+    pub sampled_uncertainty_den: Vec<f64>,
     /// What was asked against constant disturbances.
     pub stiffness: Stiffness,
     /// Numerator of the reference model M(s), highest power first.
@@ -143,6 +148,8 @@ impl Design {
         let lists = [
             ("uncertainty_num", &self.uncertainty_num),
             ("uncertainty_den", &self.uncertainty_den),
+            ("sampled_uncertainty_num", &self.sampled_uncertainty_num),
+            ("sampled_uncertainty_den", &self.sampled_uncertainty_den),
             ("reference_num", &self.reference_num),
             ("reference_den", &self.reference_den),
         ];

@@ -41,6 +41,8 @@ fn controller(x: f64) -> Controller {
             stability_degree: 1.5,
             uncertainty_num: vec![x],
             uncertainty_den: vec![1.0],
+            sampled_uncertainty_num: vec![0.06],
+            sampled_uncertainty_den: vec![1.0],
             stiffness: Stiffness::Needed,
             reference_num: vec![1.0],
             reference_den: vec![0.1, 1.0],

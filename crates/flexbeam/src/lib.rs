@@ -4,11 +4,15 @@
 //! Deliberately absent: mathematics.
 
 pub mod cli;
+mod controller_file;
 mod design;
 mod failure;
 mod identify;
+mod nominal;
 mod output;
+mod poles;
 mod record;
+mod response;
 mod reproduce;
 mod rig_file;
 mod rig_test;

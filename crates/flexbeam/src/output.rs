@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use flexbeam_files::{Document, Error, Overwrite, Parent, Provenance};
+use flexbeam_files::{Document, Error, Overwrite, Parent, Provenance, write_bytes};
+use flexbeam_report::Figure;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::Failure;
 
-/// A new file of our own kind may replace an older one of the same schema; anything else only with `--force`.
+/// A new file of our own kind may replace an older one of the same kind; anything else only with `--force`.
 ///
 /// Asked before the work begins, so that nothing is computed in vain.
 pub fn overwrite<D: Document>(path: &Path, force: bool) -> Result<Overwrite, Failure> {
@@ -31,4 +32,21 @@ pub fn progress(steps: u64, what: &'static str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr_with_hz(10));
     let style = ProgressStyle::with_template("{msg:32} {bar:32} {pos}/{len} {elapsed}").expect("a fixed template");
     bar.with_style(style).with_message(what)
+}
+
+/// A figure as NAME.svg and NAME.png in a folder; returns the names of the two files.
+pub fn write_figure(folder: &Path, name: &str, figure: &Figure) -> Result<[String; 2], Failure> {
+    let png = figure.png(PIXELS_PER_POINT).map_err(Failure::while_trying(format!("draw the figure {name}")))?;
+    let files = [format!("{name}.svg"), format!("{name}.png")];
+    write_bytes(&folder.join(&files[0]), figure.svg().as_bytes(), Overwrite::Allow)?;
+    write_bytes(&folder.join(&files[1]), &png, Overwrite::Allow)?;
+    Ok(files)
+}
+
+/// Sharp on today's screens and in print.
+const PIXELS_PER_POINT: f64 = 2.0;
+
+/// A folder for results, made when it is not there.
+pub fn folder(path: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(path).map_err(Failure::while_trying(format!("make the folder {}", path.display())))
 }

@@ -1,0 +1,191 @@
+//! A design as a controller file, and a controller file as what the kernel runs.
+
+use flexbeam_design::{Design, LoopFigures, Specification, Stiffness, Uncertainty};
+use flexbeam_files as files;
+use flexbeam_files::{Certificate, Controller, Extended, Matrices, Provenance, pairs};
+use flexbeam_kernel as kernel;
+use flexbeam_lti::{Mat, Rational, StateSpace, Time, Zpk};
+
+use crate::Failure;
+use crate::cli::Law;
+
+/// What the file says beside the design's own figures.
+pub struct Particulars {
+    /// Output that is controlled.
+    pub output: String,
+    /// The stiffness as it was asked for.
+    pub stiffness: files::Stiffness,
+    /// Residual voltage that `needed` stiffness answers [V].
+    pub v_res_v: f64,
+    /// Overshoot asked of the reference model [percent].
+    pub overshoot_percent: Option<f64>,
+    /// Voltage that the largest step may take [V].
+    pub max_voltage_v: f64,
+    /// The largest step [rad].
+    pub max_step_rad: f64,
+    /// Law, thresholds, smooth step, limits.
+    pub settings: files::Settings,
+}
+
+/// The controller file of a design.
+pub fn controller_file(
+    design: &Design,
+    specification: &Specification,
+    nominal: &StateSpace,
+    particulars: Particulars,
+    provenance: Option<Provenance>,
+) -> Controller {
+    let K = &design.controller;
+    let D = K.D.columns(0, 2).into_owned();
+    let (uncertainty_num, uncertainty_den) = coefficients(specification.uncertainty.zpk());
+    let (bound_num, bound_den) = coefficients(design.sampled_uncertainty.zpk());
+    let (reference_num, reference_den) = coefficients(&design.prefilter.model.zpk);
+    let stiffness = design.sampled.stiffness;
+    Controller {
+        period_s: specification.period_s,
+        order: K.order(),
+        A: (&K.A).into(),
+        B: (&K.B).into(),
+        C: (&K.C).into(),
+        D: (&D).into(),
+        settings: particulars.settings,
+        design: files::Design {
+            method: "sampled".into(),
+            output: particulars.output,
+            stability_degree: specification.stability_degree,
+            uncertainty_num,
+            uncertainty_den,
+            sampled_uncertainty_num: bound_num,
+            sampled_uncertainty_den: bound_den,
+            stiffness: particulars.stiffness,
+            reference_num,
+            reference_den,
+            rise_time_s: Some(design.prefilter.model.rise_time_s),
+            overshoot_percent: particulars.overshoot_percent,
+            max_voltage_v: Some(particulars.max_voltage_v),
+            max_step_rad: Some(particulars.max_step_rad),
+            delay_s: specification.delay_s,
+            low_pass: specification.low_pass,
+        },
+        plant: Matrices::from(nominal),
+        certificate: Certificate {
+            controller_order: K.order(),
+            v_res_v: Some(particulars.v_res_v),
+            stationary_error_rad: Some(particulars.v_res_v / stiffness.abs()),
+            prefilter_degree: None,
+            continuous: figures(&design.continuous, design.robust_radius),
+            sampled: figures(&design.sampled, design.sampled_radius),
+            provenance: None,
+        },
+        provenance,
+    }
+}
+
+fn figures(found: &LoopFigures, robust_radius: Option<f64>) -> files::LoopFigures {
+    files::LoopFigures {
+        robust_radius: Extended(robust_radius.unwrap_or(f64::INFINITY)),
+        bound_norm: found.bound_norm,
+        stability_degree: found.stability_degree,
+        closed_loop_poles: pairs(&found.poles),
+        stiffness: Extended(found.stiffness),
+        gain_margin: Extended(found.margins.gain),
+        phase_margin_rad: Extended(found.margins.phase_rad),
+        delay_margin_s: Extended(found.margins.delay_s),
+        disk_margin: Extended(found.margins.disk),
+    }
+}
+
+/// Numerator and denominator, highest power first.
+fn coefficients(function: &Zpk) -> (Vec<f64>, Vec<f64>) {
+    let num = polynomial(&function.zeros).into_iter().map(|c| c * function.gain).collect();
+    (num, polynomial(&function.poles))
+}
+
+/// prod (s - r), highest power first; the roots are closed under conjugation.
+fn polynomial(roots: &[flexbeam_lti::C64]) -> Vec<f64> {
+    let mut all = vec![flexbeam_lti::C64::new(1.0, 0.0)];
+    for root in roots {
+        all.push(flexbeam_lti::C64::new(0.0, 0.0));
+        for k in (1..all.len()).rev() {
+            let above = all[k - 1];
+            all[k] -= above * root;
+        }
+    }
+    all.into_iter().map(|c| c.re).collect()
+}
+
+/// The stiffness that the design is asked for.
+pub fn stiffness(asked: files::Stiffness, v_res_v: f64) -> Stiffness {
+    match asked {
+        files::Stiffness::Needed => Stiffness::needed(v_res_v, NEEDED_WITHIN_DEG.to_radians()),
+        files::Stiffness::Optimal => Stiffness::Optimal,
+        files::Stiffness::Integral => Stiffness::Integral,
+        files::Stiffness::Value(k) => Stiffness::Exactly(k),
+    }
+}
+
+/// Error that `needed` stiffness leaves behind the residual voltage [degree].
+pub const NEEDED_WITHIN_DEG: f64 = 0.15;
+
+/// alpha(s) from coefficients.
+pub fn uncertainty(num: &[f64], den: &[f64]) -> Result<Uncertainty, Failure> {
+    let reading = || "use the uncertainty alpha(s)".to_string();
+    let alpha = Rational::new(num.to_vec(), den.to_vec()).map_err(Failure::while_trying(reading()))?;
+    Uncertainty::rational(&alpha).map_err(Failure::while_trying(reading()))
+}
+
+/// The controller as a system: inputs (v, y, u_applied), outputs (u, M v).
+pub fn controller_system(file: &Controller) -> Result<StateSpace, Failure> {
+    let n = file.order;
+    let D = file.D.to_mat(2).insert_column(2, 0.0);
+    let time = Time::Sampled { period_s: file.period_s };
+    let [A, B, C]: [Mat; 3] = [file.A.to_mat(n), file.B.to_mat(3), file.C.to_mat(n)];
+    StateSpace::new(A, B, C, D, time).map_err(Failure::while_trying("use the controller"))
+}
+
+/// The live settings: the file's, and the kernel's defaults where it says nothing. `law` overrides the file's.
+pub fn kernel_settings(file: &files::Settings, law: Option<Law>) -> kernel::Settings {
+    let default = kernel::Settings::default();
+    let or = |value: Option<f64>, default: f64| value.unwrap_or(default);
+    let channel = |channel: &Option<files::Channel>, default: kernel::Channel| {
+        channel.as_ref().map_or(default, |c| kernel::Channel {
+            scale: or(c.scale, default.scale),
+            offset_rad: or(c.offset_rad, default.offset_rad),
+            low_pass: or(c.low_pass, default.low_pass),
+        })
+    };
+    kernel::Settings {
+        theta: channel(&file.theta, default.theta),
+        alpha: channel(&file.alpha, default.alpha),
+        smooth_ticks: or(file.smooth_ticks, default.smooth_ticks),
+        smooth_step_rad: or(file.smooth_step_rad, default.smooth_step_rad),
+        law: law.map(kernel_law).or(file.law.map(of_file)).unwrap_or(default.law),
+        u_p_plus_v: or(file.u_p_plus_v, default.u_p_plus_v),
+        u_p_minus_v: or(file.u_p_minus_v, default.u_p_minus_v),
+        eps_u_v: or(file.eps_u_v, default.eps_u_v),
+        eps_e_rad: or(file.eps_e_rad, default.eps_e_rad),
+        hysteresis_u: or(file.hysteresis_u, default.hysteresis_u),
+        hysteresis_e: or(file.hysteresis_e, default.hysteresis_e),
+        breakaway_plus_v: or(file.breakaway_plus_v, default.breakaway_plus_v),
+        breakaway_minus_v: or(file.breakaway_minus_v, default.breakaway_minus_v),
+        voltage_limit_v: or(file.voltage_limit_v, default.voltage_limit_v),
+        deflection_limit_rad: or(file.deflection_limit_rad, default.deflection_limit_rad),
+        theta_step_limit_rad: or(file.theta_step_limit_rad, default.theta_step_limit_rad),
+    }
+}
+
+fn kernel_law(law: Law) -> kernel::Law {
+    match law {
+        Law::None => kernel::Law::None,
+        Law::Switched => kernel::Law::Switched,
+        Law::Inverse => kernel::Law::Inverse,
+    }
+}
+
+fn of_file(law: files::Law) -> kernel::Law {
+    match law {
+        files::Law::None => kernel::Law::None,
+        files::Law::Switched => kernel::Law::Switched,
+        files::Law::Inverse => kernel::Law::Inverse,
+    }
+}

@@ -1,0 +1,100 @@
+//! One step on the simulated rig: the record, its figures, its metrics.
+
+use flexbeam_files::SimulateResult;
+use flexbeam_kernel as kernel;
+use flexbeam_report::{Figure, Panel, Series};
+use flexbeam_rig::{ClosedLoopRecord, Link, RigParameters, SimulatedRig, StepMetrics, closed_loop};
+
+use crate::Failure;
+use crate::cli::Law;
+
+/// A step response with its figures.
+pub struct Response {
+    /// Every tick.
+    pub record: ClosedLoopRecord,
+    /// Settling time and the rest.
+    pub metrics: StepMetrics,
+}
+
+/// The reference rests at zero for this long before it steps [s].
+pub const REST_S: f64 = 0.1;
+
+/// A step of the tip angle on the rig, from rest.
+pub fn step_response(
+    rig: &RigParameters,
+    settings: &kernel::Settings,
+    controller: &kernel::Controller<'_>,
+    step_rad: f64,
+    duration_s: f64,
+    seed: u64,
+) -> Result<Response, Failure> {
+    let tried = "simulate the step";
+    let mut rig = SimulatedRig::new(rig, seed).map_err(Failure::while_trying(tried))?;
+    let samples = ((duration_s + REST_S) / rig.parameters().period_s).round() as usize;
+    let reference = |time_s: f64| if time_s < REST_S { 0.0 } else { step_rad };
+    let record = closed_loop(&mut rig, settings, controller, reference, samples);
+    let metrics = StepMetrics::of(&record).map_err(Failure::while_trying(tried))?;
+    Ok(Response { record, metrics })
+}
+
+/// The rig without all that is not linear, on the lumped beam: what the design had before its eyes.
+pub fn linear_rig(rig: &RigParameters) -> RigParameters {
+    RigParameters { link: Link::Lumped, ..rig.linear() }
+}
+
+impl Response {
+    /// The answer of `simulate`.
+    pub fn result(&self, law: Law, seed: u64, files: Vec<String>) -> SimulateResult {
+        let m = &self.metrics;
+        let fault = self.record.first_fault();
+        SimulateResult {
+            step_rad: m.step_rad,
+            law: law.into(),
+            seed,
+            settling_time_s: m.settling_time_s,
+            overshoot_percent: m.overshoot_percent,
+            stationary_error_rad: m.stationary_error_rad,
+            residual_vibration_rad: m.residual_vibration_rad,
+            peak_voltage_v: m.peak_voltage_v,
+            limit_cycle: m.limit_cycle,
+            fault: fault.map(|fault| format!("{fault:?}")),
+            files,
+        }
+    }
+
+    /// Reference, tip and hub angle; deflection; voltage.
+    pub fn figure(&self, title: &str) -> Figure {
+        let (t, r) = (&self.record.time_s, &self.record);
+        Figure::new(title, "Time [s]")
+            .size(800.0, 640.0)
+            .panel(
+                Panel::new("Angle [deg]")
+                    .share(1.6)
+                    .line("reference", t, &degrees(&r.smoothed_rad))
+                    .line("tip ψ", t, &degrees(&r.psi_rad))
+                    .line("hub θ", t, &degrees(&r.theta_rad)),
+            )
+            .panel(Panel::new("Deflection α [deg]").with(Series::line("deflection α", t, &degrees(&r.alpha_rad))))
+            .panel(
+                Panel::new("Voltage [V]")
+                    .with(Series::step("controller u", t, &r.u_v))
+                    .with(Series::step("motor V", t, &r.voltage_v).width(0.8)),
+            )
+    }
+}
+
+impl From<Law> for flexbeam_files::Law {
+    fn from(law: Law) -> flexbeam_files::Law {
+        match law {
+            Law::None => flexbeam_files::Law::None,
+            Law::Switched => flexbeam_files::Law::Switched,
+            Law::Inverse => flexbeam_files::Law::Inverse,
+        }
+    }
+}
+
+/// Radians to degrees, for the face.
+pub fn degrees(radians: &[f64]) -> Vec<f64> {
+    radians.iter().map(|x| x.to_degrees()).collect()
+}
+

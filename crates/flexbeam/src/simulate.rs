@@ -1,0 +1,117 @@
+//! `flexbeam simulate`: a step of the tip angle on the nonlinear rig.
+
+use flexbeam_files::{Controller, Document, Overwrite, SimulateResult, json_text, write_signals};
+use flexbeam_kernel as kernel;
+use flexbeam_report::{Cell, Table};
+
+use crate::Failure;
+use crate::cli::{self, Law};
+use crate::controller_file::kernel_settings;
+use crate::output::{folder, write_figure};
+use crate::response::{linear_rig, step_response};
+use crate::rig_file::rig_parameters;
+
+/// A rig and a controller with different clocks.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "the rig samples at {rig_s} s and the controller was designed for {controller_s} s\nhint: set period_s = {controller_s} in the rig file"
+)]
+struct Clocks {
+    rig_s: f64,
+    controller_s: f64,
+}
+
+/// A number on the command line that makes no sense.
+#[derive(Debug, thiserror::Error)]
+#[error("{name} is {found}, needed {needed}")]
+struct Setting {
+    name: &'static str,
+    found: f64,
+    needed: &'static str,
+}
+
+/// Runs the command.
+pub fn run(arguments: &cli::Simulate) -> Result<(), Failure> {
+    let file = Controller::read(&arguments.controller)?;
+    let tried = || format!("simulate {}", arguments.controller.display());
+    let mut rig = rig_parameters(arguments.rig.as_deref())?;
+    if arguments.rig.is_none() {
+        rig.period_s = file.period_s;
+    }
+    if (rig.period_s / file.period_s - 1.0).abs() > 1e-9 {
+        let clocks = Clocks { rig_s: rig.period_s, controller_s: file.period_s };
+        return Err(Failure::while_trying(tried())(clocks));
+    }
+    expect(tried, "--duration [s]", arguments.duration, arguments.duration > 0.0, "a positive number")?;
+    expect(tried, "--step-deg", arguments.step_deg, arguments.step_deg != 0.0, "a number that is not 0")?;
+    if arguments.linear {
+        rig = linear_rig(&rig);
+    }
+    let law = law_in_force(arguments, &file);
+    let settings = kernel_settings(&file.settings, Some(law));
+    let coefficients = file.coefficients();
+    let controller = kernel::Controller::new(file.order, &coefficients).map_err(Failure::while_trying(tried()))?;
+    let step_rad = arguments.step_deg.to_radians();
+    let response = step_response(&rig, &settings, &controller, step_rad, arguments.duration, arguments.seed)?;
+
+    folder(&arguments.out)?;
+    let signals = response.record.signals();
+    let time_s = &response.record.time_s;
+    write_signals(&signals, Some(time_s), &arguments.out.join("response.csv"), Overwrite::Allow)?;
+    let title = format!("Step of {}°, {}", arguments.step_deg, law_name(law));
+    let mut files = vec!["response.csv".to_string()];
+    files.extend(write_figure(&arguments.out, "response", &response.figure(&title))?);
+    let result = response.result(law, arguments.seed, files);
+    if arguments.json {
+        println!("{}", json_text(&result));
+    } else {
+        print!("{}", table(&result).text());
+        eprintln!("wrote {} in {}", result.files.join(", "), arguments.out.display());
+    }
+    Ok(())
+}
+
+fn expect(
+    tried: impl Fn() -> String,
+    name: &'static str,
+    found: f64,
+    holds: bool,
+    needed: &'static str,
+) -> Result<(), Failure> {
+    if holds && found.is_finite() { Ok(()) } else { Err(Failure::while_trying(tried())(Setting { name, found, needed })) }
+}
+
+/// The command line's law, or the file's; a linear run needs none.
+fn law_in_force(arguments: &cli::Simulate, file: &Controller) -> Law {
+    let of_file = match file.settings.law {
+        Some(flexbeam_files::Law::None) => Law::None,
+        Some(flexbeam_files::Law::Switched) => Law::Switched,
+        Some(flexbeam_files::Law::Inverse) | None => Law::Inverse,
+    };
+    arguments.law.unwrap_or(if arguments.linear { Law::None } else { of_file })
+}
+
+/// The law in words.
+pub fn law_name(law: Law) -> &'static str {
+    match law {
+        Law::None => "no law",
+        Law::Switched => "switched law",
+        Law::Inverse => "inverse law",
+    }
+}
+
+fn table(result: &SimulateResult) -> Table {
+    let number = |x: f64, digits| Cell::number(x, digits);
+    let yes_no = |yes: bool| Cell::from(if yes { "yes" } else { "no" });
+    let table = Table::new(&[("figure", ""), ("value", ""), ("unit", "")])
+        .row(["settling time (2 %)".into(), result.settling_time_s.map_or("never".into(), |t| number(t, 4)), "s".into()])
+        .row(["overshoot".into(), number(result.overshoot_percent, 3), "%".into()])
+        .row(["stationary error".into(), number(result.stationary_error_rad.to_degrees(), 3), "deg".into()])
+        .row(["residual vibration".into(), number(result.residual_vibration_rad.to_degrees(), 3), "deg".into()])
+        .row(["peak voltage".into(), number(result.peak_voltage_v, 4), "V".into()])
+        .row(["limit cycle".into(), yes_no(result.limit_cycle), "".into()]);
+    match &result.fault {
+        Some(fault) => table.row(["fault".into(), fault.as_str().into(), "".into()]),
+        None => table,
+    }
+}

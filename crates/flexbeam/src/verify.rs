@@ -1,0 +1,218 @@
+//! `flexbeam verify`: the certificate by other formulas, the exact distributed beam, runs on the simulated rig.
+
+use std::collections::BTreeMap;
+
+use flexbeam_files::{
+    Controller, DistributedBeam, Document, Extended, Figure, MonteCarlo, Spread, VerifyResult, json_text,
+};
+use flexbeam_lti::{C64, Rational, StateSpace, Zpk};
+use flexbeam_report::{Cell, Table, Verdict, significant};
+use flexbeam_verify::{
+    BeamPlant, Campaign, Claim, OnBeam, Quantiles, Scenario, Subject, Summary, Timing, Verified, monte_carlo, on_beam,
+    verify,
+};
+
+use crate::Failure;
+use crate::cli;
+use crate::controller_file::{controller_system, kernel_settings};
+use crate::design::beam_of_rig;
+use crate::output::progress;
+use crate::rig_file::rig_parameters;
+
+/// Some figure broke.
+#[derive(Debug, thiserror::Error)]
+#[error("the controller is not verified:\n  {}\nhint: design it again; a controller file that was edited by hand keeps its old certificate", .0.join("\n  "))]
+struct NotVerified(Vec<String>);
+
+/// Runs the command.
+pub fn run(arguments: &cli::Verify) -> Result<(), Failure> {
+    let file = Controller::read(&arguments.controller)?;
+    let tried = || format!("verify {}", arguments.controller.display());
+    let parts = Parts::of(&file)?;
+    let figures = parts.figures(&file).map_err(Failure::while_trying(tried()))?;
+    let beam = parts.on_beam(&file, arguments.rig.as_deref())?;
+    let runs = (arguments.runs > 0).then(|| campaign(arguments, &file, &parts.controller)).transpose()?;
+    let result = result(&figures, &beam, runs.as_ref(), arguments.seed);
+    if arguments.json {
+        println!("{}", json_text(&result));
+    } else {
+        let all: Vec<&Verified> = figures.iter().chain(&beam.1).collect();
+        print!("{}", table(&all).text());
+        if let Some(runs) = &runs {
+            print!("{}", runs_table(runs).text());
+        }
+    }
+    if result.verified { Ok(()) } else { Err(Failure::No(Box::new(NotVerified(result.failures)))) }
+}
+
+/// What a controller file says, as the verifier wants it.
+pub struct Parts {
+    nominal: StateSpace,
+    controller: StateSpace,
+    alpha: Zpk,
+    alpha_w: Zpk,
+    timing: Timing,
+}
+
+impl Parts {
+    /// Turns the file's plain tables into systems.
+    pub fn of(file: &Controller) -> Result<Parts, Failure> {
+        let design = &file.design;
+        let nominal = file.plant_state_space().map_err(Failure::while_trying("use the nominal plant of the controller"))?;
+        Ok(Parts {
+            nominal,
+            controller: controller_system(file)?,
+            alpha: zpk(&design.uncertainty_num, &design.uncertainty_den)?,
+            alpha_w: zpk(&design.sampled_uncertainty_num, &design.sampled_uncertainty_den)?,
+            timing: Timing { period_s: file.period_s, delay_s: design.delay_s, low_pass: design.low_pass },
+        })
+    }
+
+    /// Every figure of the certificate, claimed and recomputed.
+    pub fn figures(&self, file: &Controller) -> Result<Vec<Verified>, flexbeam_verify::Error> {
+        let subject = Subject {
+            nominal: &self.nominal,
+            timing: self.timing,
+            controller: &self.controller,
+            beta: file.design.stability_degree,
+            alpha: &self.alpha,
+            alpha_w: &self.alpha_w,
+            v_res_v: file.certificate.v_res_v.unwrap_or(0.0),
+        };
+        Ok(verify(&subject, &claim(file))?.figures)
+    }
+
+    /// The loop on the exact distributed beam.
+    pub fn on_beam(
+        &self,
+        file: &Controller,
+        rig: Option<&std::path::Path>,
+    ) -> Result<(OnBeam, Vec<Verified>), Failure> {
+        let tried = "verify on the distributed beam";
+        let beam = BeamPlant::new(&beam_of_rig(rig)?, self.timing).map_err(Failure::while_trying(tried))?;
+        let feedback = flexbeam_verify::Feedback::new(&self.controller).map_err(Failure::while_trying(tried))?;
+        let beta = file.design.stability_degree;
+        let found =
+            on_beam(&beam, &self.nominal, &feedback, &self.alpha_w, beta).map_err(Failure::while_trying(tried))?;
+        let figures = found.figures();
+        Ok((found, figures))
+    }
+}
+
+fn zpk(num: &[f64], den: &[f64]) -> Result<Zpk, Failure> {
+    let tried = "use the uncertainty of the controller";
+    let alpha = Rational::new(num.to_vec(), den.to_vec()).map_err(Failure::while_trying(tried))?;
+    let gain = alpha.num[0] / alpha.den[0];
+    let zeros = alpha.zeros().map_err(Failure::while_trying(tried))?;
+    let poles = alpha.poles().map_err(Failure::while_trying(tried))?;
+    Ok(Zpk { zeros, poles, gain })
+}
+
+fn claim(file: &Controller) -> Claim {
+    let (certificate, sampled) = (&file.certificate, &file.certificate.sampled);
+    let radius = |x: Extended| x.0.is_finite().then_some(x.0);
+    Claim {
+        continuous_radius: radius(certificate.continuous.robust_radius),
+        robust_radius: radius(sampled.robust_radius),
+        bound_norm: sampled.bound_norm,
+        stability_degree: sampled.stability_degree,
+        stiffness_v_per_rad: sampled.stiffness.0,
+        gain_margin: sampled.gain_margin.0,
+        phase_margin_rad: sampled.phase_margin_rad.0,
+        delay_margin_s: sampled.delay_margin_s.0,
+        disk_margin: sampled.disk_margin.0,
+        closed_loop_poles: sampled.closed_loop_poles.iter().map(|[re, im]| C64::new(*re, *im)).collect(),
+        stationary_error_rad: certificate.stationary_error_rad.unwrap_or(f64::NAN),
+    }
+}
+
+/// Steps of the default size with drawn parameters.
+fn campaign(arguments: &cli::Verify, file: &Controller, controller: &StateSpace) -> Result<Summary, Failure> {
+    let mut rig = rig_parameters(arguments.rig.as_deref())?;
+    rig.period_s = file.period_s;
+    let settings = kernel_settings(&file.settings, None);
+    let scenario = Scenario { rig, settings, controller, step_rad: STEP_DEG.to_radians(), duration_s: DURATION_S };
+    let campaign = Campaign { runs: arguments.runs, seed: arguments.seed, ..Campaign::default() };
+    let bar = progress(arguments.runs as u64, "Monte Carlo on the rig");
+    let summary = monte_carlo(&scenario, &campaign, |done| bar.set_position(done as u64));
+    bar.finish_and_clear();
+    summary.map_err(Failure::while_trying("run the Monte Carlo"))
+}
+
+/// The step of a run, upwards and downwards in turn [degree].
+const STEP_DEG: f64 = 30.0;
+
+/// Length of a run [s].
+const DURATION_S: f64 = 5.0;
+
+fn result(
+    figures: &[Verified],
+    (beam, beam_figures): &(OnBeam, Vec<Verified>),
+    runs: Option<&Summary>,
+    seed: u64,
+) -> VerifyResult {
+    let failures: Vec<String> = figures.iter().chain(beam_figures).filter(|f| !f.agrees).map(sentence).collect();
+    let is_continuous = |f: &&Verified| f.figure.starts_with("continuous");
+    let map = |of: Vec<&Verified>| -> BTreeMap<String, Figure> { of.into_iter().map(entry).collect() };
+    VerifyResult {
+        verified: failures.is_empty(),
+        continuous: map(figures.iter().filter(is_continuous).collect()),
+        sampled: map(figures.iter().filter(|f| !is_continuous(f)).collect()),
+        distributed_beam: Some(DistributedBeam {
+            stable: beam.unstable.beyond == 0,
+            stability_degree: None,
+            covered: Some(beam.difference.value),
+        }),
+        monte_carlo: runs.map(|runs| monte_carlo_result(runs, seed)),
+        failures,
+    }
+}
+
+fn entry(f: &Verified) -> (String, Figure) {
+    let name = f.figure.trim_start_matches("continuous.").trim_start_matches("sampled.").to_string();
+    (name, Figure { claimed: Extended(f.claimed), found: Extended(f.recomputed), agrees: f.agrees })
+}
+
+fn sentence(f: &Verified) -> String {
+    let (claimed, found) = (significant(f.claimed, 8), significant(f.recomputed, 8));
+    format!("{}: claimed {claimed}, found {found} ({})", f.figure, f.reason)
+}
+
+fn monte_carlo_result(runs: &Summary, seed: u64) -> MonteCarlo {
+    let spread = |q: &Quantiles| Spread { median: q.median, p95: q.p95, max: q.worst };
+    let count = runs.runs.len();
+    MonteCarlo {
+        runs: count,
+        seed,
+        unstable: runs.runs.iter().filter(|run| !run.is_stable()).count(),
+        limit_cycles: runs.runs.iter().filter(|run| run.metrics.limit_cycle).count(),
+        stationary_error_rad: spread(&runs.stationary_error_rad),
+        settling_time_s: runs.settling_time_s.median.is_finite().then(|| spread(&runs.settling_time_s)),
+    }
+}
+
+/// Each figure beside the claimed one.
+pub fn table(figures: &[&Verified]) -> Table {
+    let columns = [("figure", ""), ("claimed", ""), ("recomputed", ""), ("verdict", "")];
+    figures.iter().fold(Table::new(&columns), |table, f| {
+        let number = |x: f64| Cell::number(x, 7);
+        table.row([f.figure.into(), number(f.claimed), number(f.recomputed), Cell::from(Verdict::from(f.agrees))])
+    })
+}
+
+fn runs_table(runs: &Summary) -> Table {
+    let title = format!("{} runs, ±{STEP_DEG}°", runs.runs.len());
+    let table = Table::new(&[(title.as_str(), ""), ("median", ""), ("95 %", ""), ("worst", ""), ("unit", "")]);
+    let row = |table: Table, name: &str, q: &Quantiles, scale: f64, unit: &str| {
+        let cell = |x: f64| Cell::number(x * scale, 3);
+        table.row([name.into(), cell(q.median), cell(q.p95), cell(q.worst), unit.into()])
+    };
+    let degree = 1f64.to_degrees();
+    let table = row(table, "stationary error", &runs.stationary_error_rad, degree, "deg");
+    let table = row(table, "settling time", &runs.settling_time_s, 1.0, "s");
+    let table = row(table, "residual vibration", &runs.residual_vibration_rad, degree, "deg");
+    let share = |x: f64| Cell::number(100.0 * x, 4);
+    table
+        .row(["stable runs".into(), share(runs.share_stable), "".into(), "".into(), "%".into()])
+        .row(["limit cycles".into(), share(runs.share_limit_cycle), "".into(), "".into(), "%".into()])
+}
