@@ -29,7 +29,7 @@ const REAL: f64 = 1e-6;
 
 /// The margins of a stable loop.
 ///
-/// Numerics: the grid of [`crate::nyquist`]; crossings to rounding by bisection; L at z = -1 (and at z = 1, without an
+/// Numerics: the grid of the count; crossings to rounding by bisection; L at z = -1 (and at z = 1, without an
 /// integrator) is real and counts as a crossing.
 pub fn margins(L: &Loop<'_>) -> Margins {
     let period_s = L.timing().period_s;
