@@ -2,7 +2,9 @@
 //!
 //! Behind hold, delay and filter the beam's response at z = e^(s Ts) is the sum over its aliases s_k = s + 2 pi j k/Ts,
 //!
-//!     G_d(z) = H(z) (1/Ts) sum_k G(s_k) (1 - e^(-s_k Ts))/s_k e^(-s_k delay).
+//! ```text
+//! G_d(z) = H(z) (1/Ts) sum_k G(s_k) (1 - e^(-s_k Ts))/s_k e^(-s_k delay).
+//! ```
 //!
 //! Enters: the rig's beam, timing, a nominal plant, alpha_w. Leaves: counts on the exact response, what the beam differs from
 //! the nominal plant, its neglected modes. Absent: model order reduction.

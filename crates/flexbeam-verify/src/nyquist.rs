@@ -2,7 +2,9 @@
 //!
 //! F = 1 + L on the circle |z| = e^(-degree Ts). F(infinity) = 1, so outside the circle
 //!
-//!     poles of the loop = poles of plant and controller - turns of F around 0.
+//! ```text
+//! poles of the loop = poles of plant and controller - turns of F around 0.
+//! ```
 //!
 //! Enters: a loop gain with its open-loop poles. Leaves: counts, the stability degree. Absent: eigenvalues of the loop.
 
