@@ -3,6 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use flexbeam_ident::Order;
+
+use crate::nominal::Nominal;
+use crate::rig_test::RAMP;
 
 /// Model, identify, design, verify and simulate a robust controller for a flexible beam on a servo motor.
 #[derive(Debug, Parser)]
@@ -64,11 +68,11 @@ pub struct Record {
     /// Length [s]
     #[arg(long, default_value_t = 10.0)]
     pub duration: f64,
-    /// Sample period [s]
-    #[arg(long, default_value_t = 0.001)]
-    pub period: f64,
+    /// Sample period [s]; the rig's by default, 0.001 for the paper's
+    #[arg(long)]
+    pub period: Option<f64>,
     /// Root mean square of the white Gaussian voltage [V]
-    #[arg(long, default_value_t = 2.0)]
+    #[arg(long, default_value_t = 5.0)]
     pub rms: f64,
     /// The linear lumped rig without friction, quantisation, noise and delay
     #[arg(long)]
@@ -105,8 +109,8 @@ pub struct Identify {
     #[arg(long, default_value_t = 20)]
     pub block_rows: usize,
     /// Order n, or `auto` for the rule on the singular values
-    #[arg(long, default_value = "auto")]
-    pub order: String,
+    #[arg(long, default_value = "auto", value_parser = order)]
+    pub order: Order,
     /// Subspace method
     #[arg(long, value_enum, default_value_t = Method::Auto)]
     pub method: Method,
@@ -128,6 +132,15 @@ pub struct Identify {
     /// One JSON object on standard output
     #[arg(long)]
     pub json: bool,
+}
+
+/// `auto`, or a whole number from 1.
+fn order(text: &str) -> Result<Order, String> {
+    match text.parse::<usize>() {
+        _ if text == "auto" => Ok(Order::Auto),
+        Ok(order) if order > 0 => Ok(Order::Fixed(order)),
+        _ => Err("needed `auto` or a whole number from 1".into()),
+    }
 }
 
 /// Subspace methods.
@@ -153,6 +166,13 @@ pub struct Design {
     /// Controlled output; psi is theta + alpha unless an output has that name
     #[arg(long = "output", default_value = "psi")]
     pub output_name: String,
+    /// Which description of the model is the nominal plant
+    #[arg(long, value_enum, default_value_t = Nominal::Auto)]
+    pub nominal: Nominal,
+    /// Rig file that describes the distributed beam for --uncertainty beam; by default the beam with the parameters of the
+    /// model's table [physical], or else the paper's
+    #[arg(long)]
+    pub rig: Option<PathBuf>,
     /// beta [1/s]: every closed-loop pole gets a real part below -beta
     #[arg(long)]
     pub stability_degree: f64,
@@ -171,9 +191,9 @@ pub struct Design {
     /// needed | optimal | integral | K(0) in V/rad
     #[arg(long, default_value = "needed")]
     pub stiffness: String,
-    /// Residual voltage v_res that `needed` stiffness answers [V]
-    #[arg(long)]
-    pub residual_voltage: Option<f64>,
+    /// Residual voltage v_res that `needed` stiffness answers [V]; from `rig test`
+    #[arg(long, default_value_t = 0.0183)]
+    pub residual_voltage: f64,
     /// Rise time of the reference model, 10 to 90 percent [s]; as fast as --max-voltage permits by default
     #[arg(long)]
     pub rise_time: Option<f64>,
@@ -195,6 +215,9 @@ pub struct Design {
     /// Sample period [s]
     #[arg(long, default_value_t = 0.001)]
     pub period: f64,
+    /// Time over which a step of the reference is smoothed [s]
+    #[arg(long, default_value_t = 0.2)]
+    pub smooth_step: f64,
     /// Cut-off of the measurement's low-pass filter [Hz]; none by default
     #[arg(long)]
     pub low_pass_hz: Option<f64>,
@@ -284,11 +307,17 @@ pub struct RigTest {
     #[arg(long)]
     pub rig: Option<PathBuf>,
     /// Slope of the ramp [V/s]
-    #[arg(long, default_value_t = 0.02)]
+    #[arg(long, default_value_t = RAMP.rate_v_s)]
     pub slope: f64,
     /// Highest voltage of the ramp [V]
-    #[arg(long, default_value_t = 0.6)]
+    #[arg(long, default_value_t = RAMP.peak_v)]
     pub highest: f64,
+    /// Rest before each ramp [s]: a beam that still swings breaks the hub loose early
+    #[arg(long, default_value_t = RAMP.rest_s)]
+    pub rest: f64,
+    /// Law that the settings are for; that of --apply-to's controller by default, else the inverse law
+    #[arg(long, value_enum)]
+    pub law: Option<Law>,
     /// Controller file whose law settings are replaced by the ones found
     #[arg(long)]
     pub apply_to: Option<PathBuf>,
@@ -303,8 +332,14 @@ pub struct RigTest {
 /// `flexbeam show`
 #[derive(Args, Debug)]
 pub struct Show {
-    /// A recording, model, controller or rig file
+    /// A recording, model, controller, certificate, rig or project file
     pub file: PathBuf,
+    /// Names of a recording's white-space columns, in order
+    #[arg(long, value_delimiter = ',')]
+    pub columns: Vec<String>,
+    /// Sample period [s] of a recording without a time column
+    #[arg(long)]
+    pub period: Option<f64>,
     /// One JSON object on standard output
     #[arg(long)]
     pub json: bool,

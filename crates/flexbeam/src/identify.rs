@@ -3,6 +3,7 @@
 //! Enters: a recording and settings. Leaves: a model file, figures, one answer. Deliberately absent: the identification
 //! itself, which `flexbeam-ident` owns.
 
+mod hinted;
 mod link;
 mod pictures;
 mod table;
@@ -20,6 +21,7 @@ use flexbeam_lti::Signals;
 
 use crate::output::{overwrite, provenance};
 use crate::{Failure, cli};
+pub(crate) use hinted::Hinted;
 pub(crate) use link::Link;
 pub(crate) use table::physical_table;
 
@@ -47,6 +49,7 @@ pub fn run(arguments: &cli::Identify) -> Result<(), Failure> {
     let experiment = Experiment::read(arguments)?;
     let options = options(arguments);
     let found = Found::of(&experiment, &options)
+        .map_err(Hinted)
         .map_err(Failure::while_trying(format!("identify {}", arguments.recording.display())))?;
     found.notes(arguments);
 
@@ -145,7 +148,7 @@ impl Found {
             eprintln!("no continuous model: {why}\nhint: another --order, or a shorter sample period");
         }
         if let Some(why) = self.link.as_ref().and_then(|link| link.fit.as_ref().err()) {
-            eprintln!("no physical parameters: {why}");
+            eprintln!("no physical parameters: {}", Hinted(why.clone()));
         }
     }
 

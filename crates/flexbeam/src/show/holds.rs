@@ -158,7 +158,7 @@ pub(super) fn rig(rig: &Rig, found: &RigParameters) -> String {
     facts([
         ("name", rig.name.clone()),
         ("period", Some(engineering(found.period_s, 4, "s"))),
-        ("computing delay", Some(format!("{} periods", found.computing_delay_periods))),
+        ("computing delay", Some(format!("{} × the period", found.computing_delay_periods))),
         ("J_base", number(physical.J_base, "kg m²")),
         ("J_link", number(physical.J_link, "kg m²")),
         ("K_stiff", number(physical.K_stiff, "N m/rad")),

@@ -1,0 +1,229 @@
+//! `flexbeam identify`, the real program on real and simulated recordings.
+
+mod support;
+
+use serde_json::Value;
+use support::{Bench, data, number, pairs, pseudorandom};
+
+/// (18).
+const K1: f64 = 1060.8;
+const K2: f64 = 1465.2;
+const C: f64 = 57.7;
+const B: f64 = 107.39;
+
+fn mean_fit(answer: &Value) -> f64 {
+    let fits = answer["fit_percent"].as_object().expect("fits by output");
+    fits.values().map(|fit| fit.as_f64().expect("a fit")).sum::<f64>() / fits.len() as f64
+}
+
+/// Columns, periods, i and n of shared/data/README.md; fits of issue 2.
+#[test]
+fn real_recordings_reach_their_fits() {
+    let Some(folder) = data() else { return };
+    let bench = Bench::new();
+    for (file, settings, outputs, needed) in [
+        ("robot_arm", "--columns u,y --period 1 --inputs u --outputs y --block-rows 20 --order 4", 1, 96.2),
+        (
+            "CD_player_arm",
+            "--columns u1,u2,y1,y2 --period 1 --inputs u1,u2 --outputs y1,y2 --block-rows 15 --order 8",
+            2,
+            74.0,
+        ),
+        ("dryer", "--columns u,y --period 0.08 --inputs u --outputs y --block-rows 15 --order 4", 1, 85.5),
+        (
+            "evaporator",
+            "--columns u1,u2,u3,y1,y2,y3 --period 1 --inputs u1,u2,u3 --outputs y1,y2,y3 --block-rows 10 --order 4",
+            3,
+            52.5,
+        ),
+        ("heating_system", "--columns time,u,y --inputs u --outputs y --block-rows 15 --order 7", 1, 68.0),
+    ] {
+        let recording = folder.join(format!("{file}.dat"));
+        let line = format!(
+            "identify {} {settings} --estimate 0.5 --remove-mean -o {file}.toml",
+            recording.display()
+        );
+        let answer = bench.json(&line);
+        let fit = mean_fit(&answer);
+        println!("{file:16} {fit:6.2} % (needed {needed} %), identified in {} s", number(&answer, "identify_s"));
+        assert!(fit >= needed, "{file}: {fit:.2} %");
+        assert_eq!(answer["fit_percent"].as_object().unwrap().len(), outputs);
+        let poles = pairs(&answer, "poles");
+        assert_eq!(poles.len(), number(&answer, "order") as usize);
+        assert_eq!(bench.json(&format!("show {file}.toml"))["content"]["validation"]["fit_percent"], answer["fit_percent"]);
+    }
+}
+
+/// Every nonzero entry of (18) through the files: record, identify, physical form.
+#[test]
+fn the_linear_rig_comes_back_from_its_recording() {
+    let bench = Bench::new();
+    bench.done("record --linear --duration 10 --period 0.001 -o linear.csv");
+    let answer = bench.json("identify linear.csv --order 4 --estimate 1.0 -o model.toml");
+    let close = |found: f64, needed: f64, what: &str| {
+        assert!((found / needed - 1.0).abs() <= 1e-10, "{what}: {found} for {needed}");
+    };
+    for (key, needed) in [("k1", K1), ("k2", K2), ("c", C), ("b", B)] {
+        close(number(&answer["physical"], key), needed, key);
+        assert!(number(&answer["physical"], &format!("{key}_std")) < 1e-9 * needed);
+    }
+    let continuous = &bench.json("show model.toml")["content"]["continuous"];
+    let entry = |M: &str, r: usize, c: usize| continuous[M][r][c].as_f64().expect("an entry");
+    for (M, r, c, needed) in [
+        ("A", 0, 2, 1.0),
+        ("A", 1, 3, 1.0),
+        ("A", 2, 1, K1),
+        ("A", 3, 1, -K2),
+        ("A", 2, 2, -C),
+        ("A", 3, 2, C),
+        ("B", 2, 0, B),
+        ("B", 3, 0, -B),
+        ("C", 0, 0, 1.0),
+        ("C", 1, 1, 1.0),
+    ] {
+        close(entry(M, r, c), needed, &format!("{M}({r},{c})"));
+    }
+    assert!(answer["fit_percent"].as_object().unwrap().values().all(Value::is_null), "nothing was left to validate");
+}
+
+/// The deflection alone shows three states; the poles are the roots of s^3 + c s^2 + k2 s + c (k2 - k1).
+#[test]
+fn from_the_deflection_alone_the_order_is_three() {
+    let bench = Bench::new();
+    bench.done("record --linear -o linear.csv");
+    let answer = bench.json("identify linear.csv --outputs alpha_rad -o model.toml");
+    assert_eq!(number(&answer, "order"), 3.0);
+    assert!(answer["physical"].is_null());
+    for [re, im] in pairs(&answer, "continuous_poles") {
+        let square = [re * re - im * im, 2.0 * re * im];
+        let cube = [square[0] * re - square[1] * im, square[0] * im + square[1] * re];
+        let value = [cube[0] + C * square[0] + K2 * re + C * (K2 - K1), cube[1] + C * square[1] + K2 * im];
+        let slope = [3.0 * square[0] + 2.0 * C * re + K2, 3.0 * square[1] + 2.0 * C * im];
+        // Newton's step from the pole to the root.
+        let step = value[0].hypot(value[1]) / slope[0].hypot(slope[1]);
+        assert!(step / re.hypot(im) <= 1e-9, "{re} + {im}j is off by {step}");
+    }
+}
+
+/// y(k+1) = -y(k)/2 + u(k) swings from sample to sample as nothing continuous does.
+#[test]
+fn a_model_without_a_continuous_form_says_so() {
+    let bench = Bench::new();
+    let mut y = 0.0;
+    let rows: String = pseudorandom(400)
+        .into_iter()
+        .map(|u| {
+            let row = format!("{u:?} {y:?}\n");
+            y = -0.5 * y + u;
+            row
+        })
+        .collect();
+    bench.write("swing.dat", &rows);
+    let line = "identify swing.dat --columns u,y --period 0.1 --inputs u --outputs y --order 1 -o model.toml";
+    let answer = bench.run(&format!("{line} --json"));
+    assert_eq!(answer.status, 0, "{}", answer.err);
+    assert!(answer.err.contains("no continuous model") && answer.err.contains("negative real axis"), "{}", answer.err);
+    let answer: Value = serde_json::from_str(&answer.out).expect("one object");
+    assert!(answer["continuous_poles"].is_null());
+    assert!((pairs(&answer, "poles")[0][0] + 0.5).abs() < 1e-10);
+    let shown = bench.json("show model.toml");
+    assert!(shown["content"]["continuous"].is_null());
+    assert!(bench.done("show model.toml").contains("no continuous form"));
+}
+
+#[test]
+fn the_answer_has_the_keys_that_scripts_rely_on() {
+    let bench = Bench::new();
+    bench.done("record --linear --duration 1 -o linear.csv");
+    let answer = bench.json("identify linear.csv --order 4 --block-rows 15");
+    for key in [
+        "order",
+        "period_s",
+        "block_rows",
+        "singular_values",
+        "poles",
+        "continuous_poles",
+        "fit_percent",
+        "physical",
+        "A",
+        "B",
+        "C",
+        "D",
+        "initial_state",
+        "identify_s",
+    ] {
+        assert!(!answer[key].is_null(), "{key}");
+    }
+    assert_eq!(number(&answer, "block_rows"), 15.0);
+    assert!(number(&answer, "identify_s") > 0.0);
+    // From rest: the output map applied to the initial state is the first sample, which is zero.
+    let x0 = answer["initial_state"].as_array().unwrap();
+    for row in answer["C"].as_array().unwrap() {
+        let y0: f64 = row.as_array().unwrap().iter().zip(x0).map(|(c, x)| c.as_f64().unwrap() * x.as_f64().unwrap()).sum();
+        assert!(y0.abs() < 1e-9, "{y0}");
+    }
+    assert!(bench.path("model.toml").is_file(), "model.toml is the default");
+}
+
+/// The rule finds four states; a person may name another number.
+#[test]
+fn the_order_is_found_or_taken() {
+    let bench = Bench::new();
+    bench.done("record --linear -o linear.csv");
+    let answer = bench.run("identify linear.csv --json");
+    assert!(answer.err.contains("order 4 by the rule"), "{}", answer.err);
+    assert_eq!(number(&serde_json::from_str(&answer.out).unwrap(), "order"), 4.0);
+    assert_eq!(number(&bench.json("identify linear.csv --order 3"), "order"), 3.0);
+    let refused = bench.run("identify linear.csv --order several");
+    assert_eq!(refused.status, 2);
+    assert!(refused.err.contains("several") && refused.err.contains("auto"), "{}", refused.err);
+}
+
+/// Degrees and millivolts at the face, SI inside.
+#[test]
+fn columns_in_degrees_are_read_as_radians() {
+    let bench = Bench::new();
+    bench.done("record --linear --duration 1 -o linear.csv");
+    let csv = bench.read("linear.csv");
+    let rows = csv.lines().skip(1).map(|line| {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        format!("{:?},{:?},{:?},{:?}\n", cells[0], cells[1], cells[2].to_degrees(), cells[3].to_degrees())
+    });
+    bench.write("degrees.csv", &("time_s,voltage_v,theta_deg,alpha_deg\n".to_string() + &rows.collect::<String>()));
+    for line in ["identify degrees.csv --order 4", "identify degrees.csv --order 4 --outputs theta_deg,alpha_deg"] {
+        let answer = bench.json(line);
+        let k1 = number(&answer["physical"], "k1");
+        assert!((k1 / K1 - 1.0).abs() < 1e-8, "{k1}");
+        assert!(answer["fit_percent"]["theta_rad"].is_number());
+    }
+}
+
+#[test]
+fn plots_are_pictures() {
+    let bench = Bench::new();
+    bench.done("record --linear --duration 1 -o linear.csv");
+    bench.done("identify linear.csv --order 4 --plots plots");
+    for name in ["singular_values", "outputs"] {
+        assert!(bench.read(&format!("plots/{name}.svg")).starts_with("<svg"));
+        let png = std::fs::read(bench.path(&format!("plots/{name}.png"))).unwrap();
+        assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
+    }
+    assert!(bench.read("plots/singular_values.svg").contains("chosen order n = 4"));
+}
+
+/// An older model makes room for a newer one; what a person wrote does not.
+#[test]
+fn only_models_are_written_over() {
+    let bench = Bench::new();
+    bench.done("record --linear --duration 1 -o linear.csv");
+    bench.done("identify linear.csv --order 3 -o model.toml");
+    bench.done("identify linear.csv --order 4 -o model.toml");
+    assert_eq!(bench.json("show model.toml")["content"]["identification"]["order"], 4);
+    bench.write("notes.toml", "milk = 2\n");
+    let refused = bench.run("identify linear.csv --order 4 -o notes.toml");
+    assert_eq!(refused.status, 2);
+    assert!(refused.err.contains("notes.toml") && refused.err.contains("--force"), "{}", refused.err);
+    assert_eq!(bench.read("notes.toml"), "milk = 2\n");
+    bench.done("identify linear.csv --order 4 -o notes.toml --force");
+    assert_eq!(bench.json("show notes.toml")["schema"], "flexbeam.model/1");
+}
