@@ -27,6 +27,7 @@ mod results;
 mod rig;
 mod settings;
 mod stiffness;
+mod summary;
 mod tree;
 mod write;
 
@@ -54,4 +55,5 @@ pub use results::{
 pub use rig::{Rig, RigActuator, RigEncoder, RigFriction, RigGauge, RigLink, RigLumped, RigPhysical, Sees};
 pub use settings::{Channel, Law, Settings};
 pub use stiffness::{NoStiffness, Stiffness};
+pub use summary::{DirectionSummary, IdentificationSummary, LawSummary, PlantTable, ReproduceSummary};
 pub use write::{Overwrite, Written, check_free, read_bytes, write_bytes};

@@ -24,13 +24,14 @@ pub struct SlowRamp {
     pub peak_v: f64,
     /// Rate [V/s], default 0.02: the hub moves within 0.02 V of its breakaway for every second that it hesitates.
     pub rate_v_s: f64,
-    /// Zero voltage before each ramp [s], default 2.
+    /// Zero voltage before each ramp [s], default 30: a beam damped by 0.5 % still swings after ten seconds, and its pull on
+    /// the hub makes the second breakaway look half as large.
     pub rest_s: f64,
 }
 
 impl Default for SlowRamp {
     fn default() -> SlowRamp {
-        SlowRamp { peak_v: 0.5, rate_v_s: 0.02, rest_s: 2.0 }
+        SlowRamp { peak_v: 0.5, rate_v_s: 0.02, rest_s: 30.0 }
     }
 }
 

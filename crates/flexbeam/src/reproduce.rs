@@ -1,0 +1,232 @@
+//! `flexbeam reproduce`: the paper from end to end on the simulated rig.
+
+mod figures;
+mod laws;
+mod page;
+mod plant;
+
+use std::time::Instant;
+
+use flexbeam_design::{Design, Outcome, Reference, Specification, design};
+use flexbeam_files as files;
+use flexbeam_files::{
+    Controller, DesignResult, DistributedBeam, Document, Overwrite, ReproduceSummary, RigTestResult, json_text,
+    write_bytes,
+};
+use flexbeam_ident::breakaway::{Breakaway, Thresholds};
+use flexbeam_ident::excitation::SlowRamp;
+use flexbeam_lti::StateSpace;
+use flexbeam_rig::{Beam, RigParameters};
+use flexbeam_verify::{OnBeam, Verified};
+use indicatif::ProgressBar;
+
+use crate::Failure;
+use crate::cli;
+use crate::controller_file::{Particulars, controller_file, stiffness};
+use crate::design::{beam_of_rig, beam_uncertainty};
+use crate::nominal::lumped_psi;
+use crate::output::{folder, progress, provenance, write_figure};
+use crate::rig_test::breakaway;
+use crate::verify::Parts;
+
+/// beta of the design [1/s]: below the damping of the third mode, 2.018.
+const BETA: f64 = 1.5;
+
+/// Rise time of the reference model [s].
+const RISE_TIME_S: f64 = 0.25;
+
+/// Cut-off of the measurements' low-pass filters [Hz]: a sixth of the sample rate.
+const LOW_PASS_HZ: f64 = 150.0;
+
+/// Time over which a step of the reference is smoothed [s].
+const SMOOTH_STEP_S: f64 = 0.2;
+
+/// The largest step that the voltage is reckoned for [rad].
+const LARGEST_STEP_DEG: f64 = 45.0;
+
+/// The amplifier's limit [V].
+const VOLTAGE_LIMIT_V: f64 = 10.0;
+
+/// Everything that the figures and the report show.
+struct Findings {
+    rig: RigParameters,
+    beam: Beam,
+    plant: plant::Plant,
+    breakaway: Breakaway,
+    thresholds: Thresholds,
+    nominal: StateSpace,
+    specification: Specification,
+    design: Box<Design>,
+    controller: Controller,
+    verified: Vec<Verified>,
+    on_beam: OnBeam,
+    beam_figures: Vec<Verified>,
+    laws: laws::Laws,
+}
+
+/// No controller, which the paper's plant does not excuse.
+#[derive(Debug, thiserror::Error)]
+#[error("the certificate does not hold: {0}")]
+struct Broken(String);
+
+/// Runs the command.
+pub fn run(arguments: &cli::Reproduce) -> Result<(), Failure> {
+    let start = Instant::now();
+    folder(&arguments.out)?;
+    let bar = progress(STEPS, "");
+    let findings = findings(arguments, &bar)?;
+    announce(&bar, "drawing");
+    let pictures = figures::all(&findings)?;
+    for (name, figure) in &pictures {
+        write_figure(&arguments.out, name, figure)?;
+    }
+    let summary = findings.summary(arguments.seed, &pictures, start.elapsed().as_secs_f64());
+    let page = page::report(&findings, &pictures);
+    write_bytes(&arguments.out.join("report.html"), page.as_bytes(), Overwrite::Allow)?;
+    let json = json_text(&summary);
+    write_bytes(&arguments.out.join("summary.json"), json.as_bytes(), Overwrite::Allow)?;
+    bar.finish_and_clear();
+    if arguments.json {
+        println!("{json}");
+    } else {
+        print!("{}", page::terminal(&findings));
+        eprintln!("wrote report.html, summary.json and {} figures in {}", pictures.len(), arguments.out.display());
+    }
+    match findings.broken() {
+        None => Ok(()),
+        Some(what) => Err(Failure::No(Box::new(Broken(what)))),
+    }
+}
+
+/// Steps that the progress bar counts.
+const STEPS: u64 = 7;
+
+fn announce(bar: &ProgressBar, what: &'static str) {
+    bar.set_message(what);
+    bar.inc(1);
+}
+
+fn findings(arguments: &cli::Reproduce, bar: &ProgressBar) -> Result<Findings, Failure> {
+    let rig = RigParameters::default();
+    let beam = beam_of_rig(None)?;
+    announce(bar, "recording and identifying");
+    let plant = plant::identify(&rig, arguments.seed, &arguments.out)?; // (7)-(18)
+    announce(bar, "slow ramp: where the hub breaks away");
+    let (breakaway, detection) = breakaway(&rig, &SlowRamp::default(), arguments.seed)?;
+    let thresholds = breakaway.inverse_thresholds(detection.resolution_rad);
+    announce(bar, "designing");
+    let nominal = lumped_psi(&plant.nominal)?;
+    let v_res_v = breakaway.residual_v(&thresholds);
+    let specification = specification(&beam, &nominal, rig.period_s, v_res_v)?; // (19)
+    let tried = "design the controller";
+    let solved = match design(&nominal, &specification).map_err(Failure::while_trying(tried))? {
+        Outcome::Solved(solved) => solved, // (20)-(27)
+        Outcome::Unsolvable(reason) => return Err(Failure::No(Box::new(reason))),
+    };
+    let particulars = particulars(&specification, &breakaway, &thresholds, v_res_v);
+    let path = arguments.out.join("controller.toml");
+    let provenance = provenance(&[&arguments.out.join("model.toml")], &path)?;
+    let controller = controller_file(&solved, &specification, &nominal, particulars, Some(provenance));
+    controller.write(&path, Overwrite::SameKind)?;
+    announce(bar, "verifying by other formulas");
+    let parts = Parts::of(&controller)?;
+    let verified = parts.figures(&controller).map_err(Failure::while_trying("verify the controller"))?;
+    let (on_beam, beam_figures) = parts.on_beam(&controller, None)?;
+    announce(bar, "steps on the nonlinear rig");
+    let switched = breakaway.switched_thresholds(detection.resolution_rad);
+    let laws = laws::run(&rig, &controller, &switched, arguments.seed)?; // Figures 8-10
+    Ok(Findings {
+        rig,
+        beam,
+        plant,
+        breakaway,
+        thresholds,
+        nominal,
+        specification,
+        design: solved,
+        controller,
+        verified,
+        on_beam,
+        beam_figures,
+        laws,
+    })
+}
+
+fn specification(beam: &Beam, nominal: &StateSpace, period_s: f64, v_res_v: f64) -> Result<Specification, Failure> {
+    Ok(Specification {
+        stability_degree: BETA,
+        uncertainty: beam_uncertainty(beam, nominal, BETA)?,
+        stiffness: stiffness(files::Stiffness::Needed, v_res_v),
+        reference: Reference::RiseTime { rise_time_s: RISE_TIME_S, overshoot_percent: 0.0 },
+        period_s,
+        delay_s: period_s,
+        low_pass: 1.0 - (-std::f64::consts::TAU * LOW_PASS_HZ * period_s).exp(),
+    })
+}
+
+fn particulars(
+    specification: &Specification,
+    breakaway: &Breakaway,
+    thresholds: &Thresholds,
+    v_res_v: f64,
+) -> Particulars {
+    let channel = files::Channel { low_pass: Some(specification.low_pass), ..files::Channel::default() };
+    Particulars {
+        output: "psi".into(),
+        stiffness: files::Stiffness::Needed,
+        v_res_v,
+        overshoot_percent: Some(0.0),
+        max_voltage_v: VOLTAGE_LIMIT_V,
+        max_step_rad: LARGEST_STEP_DEG.to_radians(),
+        settings: files::Settings {
+            law: Some(files::Law::Inverse),
+            u_p_plus_v: Some(thresholds.u_p_plus_v),
+            u_p_minus_v: Some(thresholds.u_p_minus_v),
+            eps_u_v: Some(thresholds.eps_u_v),
+            eps_e_rad: Some(thresholds.eps_e_rad),
+            breakaway_plus_v: Some(breakaway.plus_v),
+            breakaway_minus_v: Some(-breakaway.minus_v),
+            voltage_limit_v: Some(VOLTAGE_LIMIT_V),
+            smooth_ticks: Some((SMOOTH_STEP_S / specification.period_s).round()),
+            theta: Some(channel.clone()),
+            alpha: Some(channel),
+            ..files::Settings::default()
+        },
+    }
+}
+
+impl Findings {
+    /// The first figure that was not found again.
+    fn broken(&self) -> Option<String> {
+        let broken = self.verified.iter().chain(&self.beam_figures).find(|figure| !figure.agrees)?;
+        Some(format!("{} is claimed to be {} and was found to be {}", broken.figure, broken.claimed, broken.recomputed))
+    }
+
+    fn summary(&self, seed: u64, pictures: &[(&str, flexbeam_report::Figure)], seconds: f64) -> ReproduceSummary {
+        ReproduceSummary {
+            seed,
+            plant: self.plant.table(),
+            identification: self.plant.identification(),
+            breakaway: RigTestResult {
+                breakaway_plus_v: self.breakaway.plus_v,
+                breakaway_minus_v: self.breakaway.minus_v,
+                law: files::Law::Inverse,
+                u_p_plus_v: self.thresholds.u_p_plus_v,
+                u_p_minus_v: self.thresholds.u_p_minus_v,
+                eps_u_v: self.thresholds.eps_u_v,
+                eps_e_rad: self.thresholds.eps_e_rad,
+                applied_to: Some("controller.toml".into()),
+            },
+            design: DesignResult::of(&self.controller),
+            verified: self.broken().is_none(),
+            distributed_beam: DistributedBeam {
+                stable: self.on_beam.unstable.beyond == 0,
+                stability_degree: (self.on_beam.beyond_beta.beyond == 0).then_some(BETA),
+                covered: Some(self.on_beam.difference.value),
+            },
+            laws: self.laws.summaries(),
+            figures: pictures.iter().map(|(name, _)| (*name).to_string()).collect(),
+            seconds,
+        }
+    }
+}
