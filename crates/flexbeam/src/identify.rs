@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use flexbeam_files as files;
 use flexbeam_files::{
-    ColumnName, Document, IdentifyResult, Identification, Layout, Matrices, Model, Recording, Rows, json_text, pairs,
+    ColumnName, Document, Identification, IdentifyResult, Layout, Matrices, Model, Recording, Rows, json_text, pairs,
 };
 use flexbeam_ident::{Identified, Options, Order, identify};
 use flexbeam_lti::Signals;
@@ -129,7 +129,7 @@ impl Found {
         let start = Instant::now();
         let identified = identify(&experiment.inputs, &experiment.outputs, options)?;
         let identify_s = start.elapsed().as_secs_f64();
-        let link = Link::of(experiment, &identified);
+        let link = Link::of(experiment, &identified, options);
         Ok(Found { identified, link, identify_s })
     }
 

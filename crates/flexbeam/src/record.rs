@@ -61,7 +61,13 @@ pub(crate) fn excited(
     let wrong = |setting, found, unit, needed, hint| Err(NoExperiment { setting, found, unit, needed, hint }.into());
     let period_s = parameters.period_s;
     if !(period_s > 0.0 && period_s.is_finite()) {
-        return wrong("a sample period of", period_s, "s", "a positive number".into(), "1 ms suits the beam: --period 0.001");
+        return wrong(
+            "a sample period of",
+            period_s,
+            "s",
+            "a positive number".into(),
+            "1 ms suits the beam: --period 0.001",
+        );
     }
     let samples = (duration_s / period_s).round();
     if !(samples >= FEWEST_ROWS as f64 && samples <= MOST_SAMPLES) {
@@ -69,7 +75,13 @@ pub(crate) fn excited(
         return wrong("a duration of", duration_s, "s", needed, "ten seconds are plenty: --duration 10");
     }
     if !(rms_v > 0.0 && rms_v.is_finite()) {
-        return wrong("an rms voltage of", rms_v, "V", "a positive number".into(), "half of the amplifier's limit: --rms 5");
+        return wrong(
+            "an rms voltage of",
+            rms_v,
+            "V",
+            "a positive number".into(),
+            "half of the amplifier's limit: --rms 5",
+        );
     }
     let voltage_v = white_gaussian(samples as usize, rms_v, parameters.actuator.limit_v, seed);
     // The sensors' noise must not be the excitation once more: another seed, as far from this one as can be.

@@ -151,7 +151,10 @@ fn table(law: files::Law, found: &Breakaway, thresholds: &Thresholds) -> Table {
         ("eps_u", thresholds.eps_u_v, "V", name),
         ("eps_e", thresholds.eps_e_rad.to_degrees(), "degree", name),
     ];
-    rows.into_iter().fold(Table::new(&[("", ""), ("value", ""), ("unit", ""), ("from", "")]), |table, (what, x, unit, from)| {
-        table.row([what.into(), Cell::Number(format!("{x:+.4}")), unit.into(), from.into()])
-    })
+    rows.into_iter().fold(
+        Table::new(&[("", ""), ("value", ""), ("unit", ""), ("from", "")]),
+        |table, (what, x, unit, from)| {
+            table.row([what.into(), Cell::Number(format!("{x:+.4}")), unit.into(), from.into()])
+        },
+    )
 }

@@ -45,9 +45,8 @@ fn unknown(file: &Path, schema: &str) -> Error {
 
 fn document<D: Document>(arguments: &cli::Show, text: impl Fn(&D) -> String) -> Result<(), Failure> {
     let content = D::read(&arguments.file)?;
-    let json = |file, history| {
-        json_text(&ShowResult { file, schema: D::SCHEMA, content: &content, poles: None, history })
-    };
+    let json =
+        |file, history| json_text(&ShowResult { file, schema: D::SCHEMA, content: &content, poles: None, history });
     answer(arguments, D::SCHEMA, json, || text(&content))
 }
 
@@ -70,9 +69,8 @@ fn recording(arguments: &cli::Show) -> Result<(), Failure> {
     let columns = Some(arguments.columns.clone()).filter(|columns| !columns.is_empty());
     let content = Recording::read(&arguments.file, &Layout { columns, period_s: arguments.period })?;
     let summary = summary(&content);
-    let json = |file, history| {
-        json_text(&ShowResult { file, schema: Note::SCHEMA, content: &summary, poles: None, history })
-    };
+    let json =
+        |file, history| json_text(&ShowResult { file, schema: Note::SCHEMA, content: &summary, poles: None, history });
     answer(arguments, Note::SCHEMA, json, || holds::recording(&summary))
 }
 

@@ -79,7 +79,8 @@ fn a_row_that_is_short() {
 
 #[test]
 fn a_channel_that_is_one_row_short() {
-    let text = recording(400, |k, line| if k == 401 { line.rsplit_once(',').unwrap().0.to_string() + "," } else { line });
+    let text =
+        recording(400, |k, line| if k == 401 { line.rsplit_once(',').unwrap().0.to_string() + "," } else { line });
     recording_refused(&text, "", &["bad.csv:401", "alpha_rad", "empty cell"]);
 }
 

@@ -7,7 +7,9 @@ use support::{Bench, column, number};
 #[test]
 fn the_same_seed_gives_the_same_bytes() {
     let bench = Bench::new();
-    for (name, options) in [("a.csv", "--seed 7"), ("b.csv", "--seed 7"), ("c.csv", "--seed 8"), ("d.csv", "--seed 7 --linear")] {
+    for (name, options) in
+        [("a.csv", "--seed 7"), ("b.csv", "--seed 7"), ("c.csv", "--seed 8"), ("d.csv", "--seed 7 --linear")]
+    {
         bench.done(&format!("record --duration 0.5 -o {name} {options}"));
     }
     let csv = |name| bench.read(name);
@@ -67,7 +69,10 @@ fn the_linear_recording_is_the_paper_s_plant() {
 #[test]
 fn the_sensor_noise_is_independent_of_the_excitation() {
     let bench = Bench::new();
-    bench.write("rig.toml", "schema = \"flexbeam.rig/1\"\n[friction]\ncoulomb_nm = 100.0\n[gauge]\nconverter_step_rad = 0.0\n");
+    bench.write(
+        "rig.toml",
+        "schema = \"flexbeam.rig/1\"\n[friction]\ncoulomb_nm = 100.0\n[gauge]\nconverter_step_rad = 0.0\n",
+    );
     bench.done("record --rig rig.toml --duration 10 --rms 1");
     let csv = bench.read("recording.csv");
     let (voltage, alpha) = (column(&csv, "voltage_v"), column(&csv, "alpha_rad"));
@@ -120,4 +125,26 @@ fn the_ramp_finds_another_rig_s_breakaway() {
     // The switched law sends at least the breakaway, and hands over above it.
     assert!(number(&answer, "u_p_plus_v") > plus && number(&answer, "u_p_minus_v") > -minus);
     assert!(number(&answer, "eps_u_v") > number(&answer, "u_p_minus_v"));
+}
+
+/// The settings found go into the controller; nothing else in it changes.
+#[test]
+fn the_settings_are_written_into_a_controller() {
+    let bench = Bench::new();
+    bench.done("record --linear --duration 1");
+    bench.done("identify recording.csv --order 4");
+    bench.done("design model.toml --stability-degree 1.5 --uncertainty 0.2 -o controller.toml");
+    let before = bench.json("show controller.toml")["content"].clone();
+    let answer = bench.json("rig test --apply-to controller.toml --law switched");
+    let after = bench.json("show controller.toml")["content"].clone();
+    assert_eq!(answer["applied_to"], "controller.toml");
+    assert_eq!(after["settings"]["law"], "switched");
+    for key in ["u_p_plus_v", "u_p_minus_v", "eps_u_v", "eps_e_rad", "breakaway_plus_v"] {
+        assert_eq!(after["settings"][key], answer[key], "{key}");
+    }
+    assert_eq!(number(&after["settings"], "breakaway_minus_v"), -number(&answer, "breakaway_minus_v"));
+    for (key, value) in before.as_object().expect("a controller") {
+        assert!(key == "settings" || after[key] == *value, "{key} changed");
+    }
+    assert_eq!(bench.json("rig test --apply-to controller.toml")["law"], "switched", "the controller's own law");
 }

@@ -42,8 +42,11 @@ fn history_walks_back_to_the_rig_of_the_recording() {
     let text = bench.done("show models/model.toml");
     let lines: Vec<&str> = text.lines().collect();
     let at = lines.iter().position(|line| *line == "where it came from").expect("the history");
-    let indents: Vec<usize> =
-        lines[at + 1..].iter().filter(|line| line.contains("flexbeam.")).map(|line| line.chars().take_while(|c| !c.is_alphanumeric()).count()).collect();
+    let indents: Vec<usize> = lines[at + 1..]
+        .iter()
+        .filter(|line| line.contains("flexbeam."))
+        .map(|line| line.chars().take_while(|c| !c.is_alphanumeric()).count())
+        .collect();
     assert!(indents[0] == 0 && indents.windows(2).all(|pair| pair[0] < pair[1]), "{text}");
     assert!(text.contains("flexbeam identify data/linear.csv --order 4"), "{text}");
 }
@@ -58,6 +61,21 @@ fn a_parent_that_changed_or_vanished_is_told() {
     let expected = [(0, "model.toml", "start"), (1, "linear.csv", "missing")];
     assert_eq!(history(&bench, "models/model.toml"), steps(&expected));
     assert!(bench.done("show models/model.toml").contains("MISSING"));
+}
+
+/// Certificate and settings of a controller, and the whole way back.
+#[test]
+fn a_controller_shows_its_certificate_and_its_settings() {
+    let bench = chain();
+    bench.done("design models/model.toml --stability-degree 1.5 --uncertainty 0.2 -o controller.toml");
+    let names: Vec<String> = history(&bench, "controller.toml").into_iter().map(|(_, name, _)| name).collect();
+    assert_eq!(names, ["controller.toml", "model.toml", "linear.csv", "rig.toml"]);
+    let shown = bench.json("show controller.toml");
+    let text = bench.done("show controller.toml");
+    for word in ["robust radius", "stiffness K(0)", "phase margin", "law", "1.5000 1/s"] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    assert!(shown["content"]["certificate"]["sampled"]["bound_norm"].as_f64().unwrap() <= 1.0);
 }
 
 /// The sum of (18)'s poles is the trace -c; theirs and the integrator's.

@@ -42,7 +42,11 @@ pub(crate) fn singular_values(identified: &Identified) -> Figure {
 }
 
 /// Each output on the samples that were not used for estimation (on all when none are left), measured and simulated.
-fn outputs(experiment: &Experiment, identified: &Identified, options: &Options) -> Result<Figure, flexbeam_ident::Error> {
+fn outputs(
+    experiment: &Experiment,
+    identified: &Identified,
+    options: &Options,
+) -> Result<Figure, flexbeam_ident::Error> {
     let (all, estimating) = (experiment.inputs.samples(), identified.estimation_samples);
     let first = if estimating < all { estimating } else { 0 };
     let part = |data: &Mat, means: &[f64]| {

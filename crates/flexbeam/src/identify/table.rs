@@ -50,7 +50,7 @@ pub(crate) fn physical_table(physical: &files::Physical) -> Table {
         ("c, damping of the hub", physical.c, physical.c_std, "1/s"),
         ("b, acceleration per volt", physical.b, physical.b_std, "rad/s²/V"),
     ];
-    let columns = [("physical parameter", ""), ("value", ""), ("standard error", ""), ("unit", "")];
+    let columns = [("lumped link", ""), ("value", ""), ("standard error", ""), ("unit", "")];
     rows.into_iter().fold(Table::new(&columns), |table, (name, value, std, unit)| {
         let std = std.map_or("".to_string(), |std| significant(std, 2));
         table.row([name.into(), Cell::number(value, 7), Cell::Number(std), unit.into()])

@@ -1,12 +1,14 @@
 //! What each kind of file holds, in words and tables.
 
 use flexbeam_files::{
-    Certificate, ColumnSummary, Controller, LoopFigures, Model, Note, Project, RecordingSummary, Rig, Settings,
+    Certificate, ColumnSummary, Controller, LoopFigures, Model, Note, Project, RecordingSummary, Rig,
 };
+use flexbeam_kernel as kernel;
 use flexbeam_lti::StateSpace;
 use flexbeam_report::{Cell, Table, engineering, significant};
 use flexbeam_rig::{Damping, GaugeSees, Link, RigParameters};
 
+use crate::controller_file::kernel_settings;
 use crate::identify::physical_table;
 use crate::poles;
 
@@ -57,9 +59,8 @@ pub(super) fn model(model: &Model, system: &StateSpace) -> String {
     ]);
     text += &format!("\n{}", poles::table(system).text());
     if let Some(validation) = &model.validation {
-        let rows = validation.fit_percent.iter().map(|(name, fit)| {
-            [name.as_str().into(), Cell::Number(format!("{fit:.2}"))]
-        });
+        let rows =
+            validation.fit_percent.iter().map(|(name, fit)| [name.as_str().into(), Cell::Number(format!("{fit:.2}"))]);
         let table = rows.fold(Table::new(&[("output", ""), ("fit on unseen samples", "%")]), Table::row);
         text += &format!("\n{}", table.text());
     }
@@ -84,7 +85,7 @@ pub(super) fn controller(controller: &Controller) -> String {
         ("delay taken into account", Some(engineering(design.delay_s, 4, "s"))),
     ]);
     text += &format!("\n{}", certificate(&controller.certificate));
-    text += &format!("\nsettings (the others are the kernel's defaults)\n{}", settings(&controller.settings));
+    text += &format!("\nsettings\n{}", settings(&kernel_settings(&controller.settings, None)));
     text
 }
 
@@ -111,31 +112,30 @@ pub(super) fn certificate(certificate: &Certificate) -> String {
         ("v_res/K(0)", certificate.stationary_error_rad.and_then(degrees)),
         ("prefilter's own degree", certificate.prefilter_degree.and_then(|d| number(d, "1/s"))),
     ]);
-    table.text() + &rest
+    format!("{}\n{rest}", table.text())
 }
 
-fn settings(settings: &Settings) -> String {
-    let volts = |x: Option<f64>| x.and_then(|x| number(x, "V"));
-    let angle = |x: Option<f64>| x.and_then(degrees);
-    let plain = |x: Option<f64>| x.and_then(|x| number(x, ""));
-    let low_pass = |channel: &Option<flexbeam_files::Channel>| channel.as_ref().and_then(|c| c.low_pass);
+/// As they act: with the kernel's defaults where the file says nothing.
+fn settings(settings: &kernel::Settings) -> String {
+    let volts = |x: f64| number(x, "V");
+    let angle = |x: f64| if x.is_finite() { degrees(x) } else { Some("none".into()) };
     facts([
-        ("law", settings.law.map(|law| format!("{law:?}").to_lowercase())),
+        ("law", Some(format!("{:?}", settings.law).to_lowercase())),
         ("u_p forward", volts(settings.u_p_plus_v)),
         ("u_p backward", volts(settings.u_p_minus_v)),
         ("eps_u", volts(settings.eps_u_v)),
         ("eps_e", angle(settings.eps_e_rad)),
-        ("hysteresis of switch 2", plain(settings.hysteresis_u)),
-        ("hysteresis of switch 1", plain(settings.hysteresis_e)),
+        ("hysteresis of switch 2", number(settings.hysteresis_u, "")),
+        ("hysteresis of switch 1", number(settings.hysteresis_e, "")),
         ("breakaway forward", volts(settings.breakaway_plus_v)),
         ("breakaway backward", volts(settings.breakaway_minus_v)),
         ("voltage limit", volts(settings.voltage_limit_v)),
         ("deflection limit", angle(settings.deflection_limit_rad)),
         ("hub's limit in a tick", angle(settings.theta_step_limit_rad)),
-        ("smooth step", settings.smooth_ticks.and_then(|ticks| number(ticks, "ticks"))),
-        ("longer above", angle(settings.smooth_step_rad)),
-        ("low-pass share, theta", plain(low_pass(&settings.theta))),
-        ("low-pass share, alpha", plain(low_pass(&settings.alpha))),
+        ("smooth step", number(settings.smooth_ticks, "ticks")),
+        ("longer for steps above", angle(settings.smooth_step_rad)),
+        ("low-pass share, theta", number(settings.theta.low_pass, "")),
+        ("low-pass share, alpha", number(settings.alpha.low_pass, "")),
     ])
 }
 
