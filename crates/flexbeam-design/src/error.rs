@@ -7,7 +7,9 @@ pub enum Error {
     #[error(transparent)]
     Lti(#[from] flexbeam_lti::Error),
     /// The scalar theory needs one input and one output.
-    #[error("nominal plant has {inputs} inputs and {outputs} outputs; the scalar design needs one of each")]
+    #[error(
+        "nominal plant has {inputs} inputs and {outputs} outputs; the scalar design needs one of each\nhint: name the controlled output and keep the motor voltage as the only input"
+    )]
     NotScalar {
         /// Inputs found.
         inputs: usize,
@@ -15,14 +17,16 @@ pub enum Error {
         outputs: usize,
     },
     /// The nominal plant is given in sampled time.
-    #[error("nominal plant has {time}; the design starts from a continuous-time plant")]
+    #[error(
+        "nominal plant has {time}; the design starts from a continuous-time plant\nhint: a sampled model needs a continuous form first (inverse zero-order hold)"
+    )]
     NotContinuous {
         /// The time axis found.
         time: Time,
     },
     /// Feedthrough in the nominal plant.
     #[error(
-        "nominal plant has D = {value}; a beam's tip angle does not follow the voltage at once, the design needs D = 0"
+        "nominal plant has D = {value}, needed D = 0: a tip angle does not follow the voltage at once\nhint: take the physical form (identify theta and alpha with order 4), or set D to 0 in the model file"
     )]
     Feedthrough {
         /// The entry found.
@@ -30,7 +34,7 @@ pub enum Error {
     },
     /// A mode that neither feedback nor measurement reaches, right of the line Re s = -beta.
     #[error(
-        "mode {re:.6} {im:+.6}j rad/s lies right of -beta = {line:.6} and is {kind}: its gain is {relative_gain:.1e} of what its residue would be otherwise"
+        "mode {re:.6} {im:+.6}j rad/s lies right of -beta = {line:.6} and is {kind} (relative coupling {relative_gain:.1e}): no feedback moves it\nhint: remove the mode from the model if the beam does not have it, or take beta below its damping"
     )]
     HiddenMode {
         /// Real part of the mode [rad/s].
@@ -46,7 +50,7 @@ pub enum Error {
     },
     /// A pole exactly on the line Re s = -beta.
     #[error(
-        "pole {re:.6} {im:+.6}j of the nominal plant lies on the line Re s = -beta (beta = {beta}); the count of poles right of it is undefined{limit}"
+        "pole {re:.6} {im:+.6}j of the nominal plant lies on the line Re s = -beta (beta = {beta}); the count of poles right of it is undefined{limit}\nhint: take beta a little smaller or larger{suggestion}"
     )]
     PoleOnLine {
         /// Real part of the pole [rad/s].
@@ -57,9 +61,13 @@ pub enum Error {
         beta: f64,
         /// What the radius does as beta approaches the pole.
         limit: String,
+        /// A beta to try.
+        suggestion: String,
     },
     /// Two poles right of -beta that coincide.
-    #[error("pole {re:.6} {im:+.6}j (in the shifted plane) is repeated; the design covers simple poles right of -beta")]
+    #[error(
+        "pole {re:.6} {im:+.6}j (in the shifted plane) is repeated; the design covers simple poles right of -beta\nhint: take beta below their damping, or part the two by a hair"
+    )]
     RepeatedPole {
         /// Real part, shifted plane.
         re: f64,
@@ -68,7 +76,7 @@ pub enum Error {
     },
     /// The Pick matrix of the points lost definiteness to rounding.
     #[error(
-        "Pick matrix of {points} points is singular to working precision (pivot {pivot:.1e}): some poles right of -beta nearly coincide"
+        "Pick matrix of {points} points is singular to working precision (pivot {pivot:.1e}): some poles right of -beta nearly coincide\nhint: a smaller beta leaves fewer of them right of the line"
     )]
     PickNotDefinite {
         /// Number of interpolation points.
@@ -78,7 +86,7 @@ pub enum Error {
     },
     /// The two roads to the radius disagree.
     #[error(
-        "robust radius is {hankel:.12} by Hankel singular values and {pick:.12} by Nevanlinna-Pick; they must agree within {tolerance:.0e}: the plant is too badly conditioned"
+        "robust radius is {hankel:.12} by Hankel singular values and {pick:.12} by Nevanlinna-Pick; they must agree within {tolerance:.0e}: the plant is too badly conditioned\nhint: check the model's units, and that no two poles right of -beta nearly coincide"
     )]
     RadiusDisagreement {
         /// From the antistable part's smallest Hankel singular value.
@@ -89,7 +97,9 @@ pub enum Error {
         tolerance: f64,
     },
     /// alpha(s) that the theory excludes.
-    #[error("uncertainty alpha(s) {what} at {re:.6} {im:+.6}j; (19) needs alpha stable, minimum phase and biproper")]
+    #[error(
+        "uncertainty alpha(s) {what} at {re:.6} {im:+.6}j; (19) needs alpha stable, minimum phase and biproper\nhint: mirror the root into Re s < 0, |alpha(jw)| stays as it is"
+    )]
     Weight {
         /// "has a pole in Re s >= 0", ..
         what: &'static str,
@@ -100,7 +110,7 @@ pub enum Error {
     },
     /// alpha(s) with unequal degrees.
     #[error(
-        "uncertainty alpha(s) has {zeros} zeros and {poles} poles; the design needs equally many (alpha(infinity) finite and not 0)"
+        "uncertainty alpha(s) has {zeros} zeros and {poles} poles; the design needs equally many (alpha(infinity) finite and not 0)\nhint: add zeros far beyond the last mode"
     )]
     WeightDegree {
         /// Number of zeros.
@@ -109,7 +119,9 @@ pub enum Error {
         poles: usize,
     },
     /// The plant moves away from the bound somewhere, whatever alpha is.
-    #[error("the difference to be covered is {value} at omega = {omega_rad_s} rad/s; a bound needs finite values")]
+    #[error(
+        "the difference to be covered is {value} at omega = {omega_rad_s} rad/s; a bound needs finite values\nhint: a pole of the beam or of the nominal plant lies on the line Re s = -beta; move beta"
+    )]
     DifferenceNotFinite {
         /// Frequency [rad/s].
         omega_rad_s: f64,
@@ -117,7 +129,7 @@ pub enum Error {
         value: f64,
     },
     /// A setting outside its meaning.
-    #[error("{name} = {value}; needed {needed}")]
+    #[error("{name} = {value}, needed {needed}\nhint: `flexbeam design --help` lists units and defaults")]
     Setting {
         /// Name with unit.
         name: &'static str,
@@ -128,7 +140,7 @@ pub enum Error {
     },
     /// A stiffness request on a plant that has no integrator.
     #[error(
-        "stiffness {requested} V/rad asked for, but the nominal plant has no pole at s = 0 (nearest: {nearest:.6} rad/s)"
+        "stiffness {requested} V/rad asked for, but the nominal plant has no pole at s = 0 (nearest: {nearest:.6} rad/s)\nhint: --stiffness optimal asks nothing of the static gain"
     )]
     NoIntegrator {
         /// What was asked for [V/rad].
@@ -138,7 +150,7 @@ pub enum Error {
     },
     /// M that rolls off more slowly than the plant.
     #[error(
-        "reference model M has relative degree {found}, the plant needs at least {needed}: T = M/N would not be proper"
+        "reference model M has relative degree {found}, the plant needs at least {needed}: T = M/N would not be proper\nhint: multiply M by 1/(1 + s t)^{}, t small", .needed - .found
     )]
     ReferenceDegree {
         /// Relative degree of the model given.
@@ -147,7 +159,9 @@ pub enum Error {
         needed: usize,
     },
     /// M that is not stable enough.
-    #[error("reference model M has a pole at {re:.6} {im:+.6}j; all its poles must lie left of -beta = {line:.6}")]
+    #[error(
+        "reference model M has a pole at {re:.6} {im:+.6}j; all its poles must lie left of -beta = {line:.6}\nhint: a shorter rise time, or a smaller beta"
+    )]
     ReferencePole {
         /// Real part.
         re: f64,
@@ -158,7 +172,7 @@ pub enum Error {
     },
     /// No rise time keeps the voltage.
     #[error(
-        "the largest step needs {voltage_v:.3} V even with a rise time of {rise_time_s} s; allowed {max_voltage_v} V"
+        "the largest step needs {voltage_v:.3} V even with a rise time of {rise_time_s} s; allowed {max_voltage_v} V\nhint: allow more voltage, a smaller largest step, or a smaller beta"
     )]
     Voltage {
         /// Voltage needed [V].

@@ -23,6 +23,9 @@ pub struct HalfPlane {
 /// matrix carry errors of some 1e-15 of its norm, and poles of lightly damped modes lose two or three digits more.
 const ON_AXIS: f64 = 1e-11;
 
+/// beta that is suggested, as a part of the damping of the plant's slowest pole.
+const SUGGESTED: f64 = 0.1;
+
 /// A coupling below this, relative to the norms of A and B (or C), is rounding: the singular values of the pencil carry
 /// errors of some 1e-16 of its norm. Badly scaled but reachable modes stay well above.
 const NO_COUPLING: f64 = 1e-14;
@@ -66,14 +69,19 @@ impl HalfPlane {
         match self.zpk.poles.iter().find(|p| p.re.abs() <= ON_AXIS * scale) {
             None => Ok(()),
             Some(p) => {
-                let limit = if self.beta == 0.0 && p.norm() <= ON_AXIS * scale {
-                    "; with an integrator the radius grows without bound as k/(2 beta) when beta goes to 0".to_string()
-                } else {
-                    String::new()
-                };
-                Err(Error::PoleOnLine { re: p.re - self.beta, im: p.im, beta: self.beta, limit })
+                let integrator = self.beta == 0.0 && p.norm() <= ON_AXIS * scale;
+                let (limit, suggestion) = if integrator { self.integrator_at_zero(scale) } else { Default::default() };
+                Err(Error::PoleOnLine { re: p.re - self.beta, im: p.im, beta: self.beta, limit, suggestion })
             }
         }
+    }
+
+    /// beta = 0 with an integrator: what the radius does, and a beta that the slowest of the other poles permits.
+    fn integrator_at_zero(&self, scale: f64) -> (String, String) {
+        let damping = self.zpk.poles.iter().map(|q| -q.re).filter(|damping| *damping > ON_AXIS * scale);
+        let beta = SUGGESTED * damping.fold(f64::INFINITY, f64::min);
+        let limit = "; with an integrator the radius grows without bound, as k/(2 beta), when beta goes to 0";
+        (limit.into(), format!(": {beta:.3} 1/s suits this plant"))
     }
 
     /// A pole in Re s > 0 must be reached by the input and seen by the output (Popov-Belevitch-Hautus test).
