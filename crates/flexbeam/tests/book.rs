@@ -1,0 +1,269 @@
+//! The user's book holds what it says: its examples run, its links lead somewhere, its tables list what the program has.
+//!
+//! A block tagged `console` is a session: lines that begin with `$ ` are run in order, those of one page in one folder that is
+//! empty at first. A block tagged `LANGUAGE file=NAME` is written there as NAME before the lines below it run. A line ends well
+//! with exit status 0, or with N where it ends with `# status N`.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_flexbeam");
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// A chapter, or the README.
+struct Page {
+    path: PathBuf,
+    text: String,
+}
+
+impl Page {
+    fn read(path: PathBuf) -> Page {
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        Page { path, text }
+    }
+
+    fn name(&self) -> String {
+        let root = root();
+        self.path.strip_prefix(&root).unwrap_or(&self.path).display().to_string()
+    }
+}
+
+fn chapters() -> Vec<Page> {
+    let mut paths = Vec::new();
+    markdown_below(&root().join("book/src"), &mut paths);
+    assert!(paths.len() > 10, "the book's folder has moved");
+    paths.into_iter().map(Page::read).collect()
+}
+
+fn markdown_below(folder: &Path, found: &mut Vec<PathBuf>) {
+    let mut entries: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            markdown_below(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "md") {
+            found.push(path);
+        }
+    }
+}
+
+fn pages_with_examples() -> Vec<Page> {
+    let readme = root().join("README.md");
+    chapters().into_iter().chain(readme.exists().then(|| Page::read(readme))).collect()
+}
+
+/// What a page asks to be done, in order.
+enum Act<'a> {
+    Run { line: usize, command: &'a str },
+    Write { name: &'a str, text: String },
+}
+
+/// Every fenced block: line of its first line, info string, lines.
+fn blocks(text: &str) -> Vec<(usize, &str, Vec<&str>)> {
+    let mut blocks = Vec::new();
+    let mut open: Option<(usize, &str, Vec<&str>)> = None;
+    for (k, line) in text.lines().enumerate() {
+        match (&mut open, line.strip_prefix("```")) {
+            (None, Some(info)) => open = Some((k + 2, info.trim(), Vec::new())),
+            (Some(_), Some(_)) => blocks.extend(open.take()),
+            (Some((_, _, lines)), None) => lines.push(line),
+            (None, None) => {}
+        }
+    }
+    assert!(open.is_none(), "a block is left open");
+    blocks
+}
+
+fn acts(text: &str) -> Vec<Act<'_>> {
+    let mut acts = Vec::new();
+    for (first, info, lines) in blocks(text) {
+        if let Some(name) = info.split(' ').find_map(|word| word.strip_prefix("file=")) {
+            acts.push(Act::Write { name, text: lines.join("\n") + "\n" });
+        } else if info == "console" {
+            let numbered = lines.iter().enumerate();
+            acts.extend(
+                numbered.filter_map(|(k, line)| Some(Act::Run { line: first + k, command: line.strip_prefix("$ ")? })),
+            );
+        }
+    }
+    acts
+}
+
+/// The words behind `flexbeam`, and the exit status that the line announces.
+fn parsed(command: &str) -> Result<(Vec<&str>, i32), String> {
+    let (words, status) = match command.split_once("# status ") {
+        Some((words, status)) => (words, status.trim().parse().map_err(|_| format!("no status: {status}"))?),
+        None => (command, 0),
+    };
+    let mut words = words.split_whitespace();
+    match words.next() {
+        Some("flexbeam") => Ok((words.collect(), status)),
+        other => Err(format!("console blocks run flexbeam only, found {other:?}; tag the block `text`")),
+    }
+}
+
+fn flexbeam(words: &[&str], folder: &Path) -> Output {
+    Command::new(PROGRAM).args(words).current_dir(folder).output().expect("the program starts")
+}
+
+/// Errors: a sentence for what does not run as the page says.
+fn run(page: &Page) -> Result<usize, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut runs = 0;
+    for act in acts(&page.text) {
+        match act {
+            Act::Write { name, text } => std::fs::write(folder.path().join(name), text).expect("written"),
+            Act::Run { line, command } => {
+                let place = format!("{}:{line}: {command}", page.name());
+                let (words, needed) = parsed(command).map_err(|wrong| format!("{place}: {wrong}"))?;
+                let output = flexbeam(&words, folder.path());
+                let said = String::from_utf8_lossy(&output.stderr);
+                if output.status.code() != Some(needed) {
+                    return Err(format!("{place}: {}, needed status {needed}\n{said}", output.status));
+                }
+                runs += 1;
+            }
+        }
+    }
+    Ok(runs)
+}
+
+#[test]
+fn every_example_runs() {
+    let pages = pages_with_examples();
+    // Two pages at a time: the pages do not know of one another.
+    let (left, right) = pages.split_at(pages.len() / 2);
+    let all = |pages: &[Page]| pages.iter().map(run).collect::<Vec<_>>();
+    let results = std::thread::scope(|scope| {
+        let left = scope.spawn(|| all(left));
+        let mut results = all(right);
+        results.extend(left.join().expect("running pages does not panic"));
+        results
+    });
+    let wrong: Vec<&String> = results.iter().filter_map(|result| result.as_ref().err()).collect();
+    assert!(wrong.is_empty(), "{}", wrong.iter().map(|w| w.as_str()).collect::<Vec<_>>().join("\n\n"));
+    let runs: usize = results.iter().flatten().sum();
+    assert!(runs > 15, "only {runs} examples were found");
+}
+
+/// The targets of `[text](target)` outside of code.
+fn links(text: &str) -> Vec<String> {
+    let mut prose = String::new();
+    let mut fenced = false;
+    for line in text.lines() {
+        fenced ^= line.starts_with("```");
+        let outside_of_code = line.split('`').step_by(2);
+        prose.extend(outside_of_code.filter(|_| !fenced).chain(["\n"]));
+    }
+    let starts = prose.match_indices("](").map(|(at, found)| at + found.len());
+    starts.filter_map(|at| Some(prose[at..].split_once(')')?.0.to_string())).collect()
+}
+
+#[test]
+fn every_relative_link_leads_to_a_file() {
+    let mut broken = Vec::new();
+    for page in chapters() {
+        let folder = page.path.parent().expect("a page lies in a folder");
+        for link in links(&page.text) {
+            let target = link.split('#').next().unwrap_or_default();
+            let elsewhere = link.contains("://") || target.is_empty();
+            if !elsewhere && !folder.join(target).is_file() {
+                broken.push(format!("{}: {link}", page.name()));
+            }
+        }
+    }
+    assert!(broken.is_empty(), "{broken:#?}");
+}
+
+#[test]
+fn every_page_stands_in_the_summary() {
+    let summary = Page::read(root().join("book/src/SUMMARY.md"));
+    let folder = root().join("book/src");
+    let listed: BTreeSet<PathBuf> = links(&summary.text).iter().map(|link| folder.join(link)).collect();
+    let written = chapters().into_iter().map(|page| page.path).filter(|path| *path != summary.path);
+    assert_eq!(listed, written.collect());
+}
+
+/// Commands that have a section of their own, as words.
+const COMMANDS: [&str; 8] = ["reproduce", "record", "identify", "design", "verify", "simulate", "rig test", "show"];
+
+/// The part of the page under `## flexbeam COMMAND`.
+fn section(page: &Page, command: &str) -> String {
+    let heading = format!("## flexbeam {command}");
+    let mut lines = page.text.lines().skip_while(|line| *line != heading);
+    assert!(lines.next().is_some(), "{} has no section {heading:?}", page.name());
+    lines.take_while(|line| !line.starts_with("## ")).collect::<Vec<_>>().join("\n")
+}
+
+/// Each `--option` in a text.
+fn options(text: &str) -> BTreeSet<String> {
+    let named = text.match_indices("--").map(|(at, _)| {
+        let name = text[at + 2..].chars().take_while(|c| c.is_ascii_lowercase() || *c == '-');
+        format!("--{}", name.collect::<String>())
+    });
+    named.filter(|option| option.chars().any(char::is_alphabetic)).collect()
+}
+
+/// What `--help` lists at the start of its lines.
+fn options_of(command: &str) -> BTreeSet<String> {
+    let words: Vec<&str> = command.split(' ').chain(["--help"]).collect();
+    let output = flexbeam(&words, Path::new("."));
+    let help = String::from_utf8(output.stdout).expect("text");
+    let listed = help.lines().map(str::trim_start).filter(|line| line.starts_with('-'));
+    let first = listed.filter_map(|line| options(line.split("  ").next()?).into_iter().next());
+    first.filter(|option| option != "--help").collect()
+}
+
+#[test]
+fn the_command_line_chapter_has_the_program_s_options() {
+    let page = Page::read(root().join("book/src/command-line.md"));
+    for command in COMMANDS {
+        assert_eq!(options(&section(&page, command)), options_of(command), "left: the book; right: {command} --help");
+    }
+}
+
+/// Backquoted first cells of the table under `### JSON keys`.
+fn documented_keys(section: &str) -> BTreeSet<String> {
+    let table = section.lines().skip_while(|line| !line.starts_with("### JSON keys")).skip(1);
+    let rows = table.take_while(|line| !line.starts_with('#')).filter(|line| line.starts_with("| `"));
+    let first_cells = rows.filter_map(|row| row.split('|').nth(1));
+    first_cells.flat_map(|cell| cell.split('`').skip(1).step_by(2).map(String::from).collect::<Vec<_>>()).collect()
+}
+
+/// Command lines that together give every key of every answer.
+const ANSWERS: [(&str, &str); 9] = [
+    ("reproduce", "reproduce --out reproduce"),
+    ("record", "record --linear --duration 2 --out recording.csv"),
+    ("identify", "identify recording.csv --out model.toml"),
+    ("design", "design model.toml --stability-degree 1.5 --uncertainty beam --out controller.toml"),
+    ("design", "design model.toml --stability-degree 12 --uncertainty 0.06 --robust-only"),
+    ("rig test", "rig test"),
+    ("simulate", "simulate controller.toml --duration 1"),
+    ("verify", "verify controller.toml --runs 4"),
+    ("show", "show controller.toml"),
+];
+
+#[test]
+fn the_command_line_chapter_has_the_program_s_json_keys() {
+    let page = Page::read(root().join("book/src/command-line.md"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut found: Vec<(&str, BTreeSet<String>)> = Vec::new();
+    for (command, line) in ANSWERS {
+        let words: Vec<&str> = line.split(' ').chain(["--json"]).collect();
+        let output = flexbeam(&words, folder.path());
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        let answer: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+        let keys = answer.as_object().expect("one JSON object").keys().cloned();
+        match found.last_mut() {
+            Some((last, all)) if *last == command => all.extend(keys),
+            _ => found.push((command, keys.collect())),
+        }
+    }
+    for (command, keys) in found {
+        assert_eq!(documented_keys(&section(&page, command)), keys, "left: the book; right: {command} --json");
+    }
+}
