@@ -19,7 +19,7 @@ use flexbeam_files::{
 use flexbeam_ident::{Identified, Options, Order, identify};
 use flexbeam_lti::Signals;
 
-use crate::output::{overwrite, provenance};
+use crate::output::{overwrite, provenance, waiting};
 use crate::{Failure, cli};
 pub(crate) use hinted::Hinted;
 pub(crate) use link::Link;
@@ -46,11 +46,14 @@ pub(crate) struct Found {
 /// `flexbeam identify`.
 pub fn run(arguments: &cli::Identify) -> Result<(), Failure> {
     let replace = overwrite::<Model>(&arguments.out, arguments.force)?;
+    let sign = waiting("reading the recording");
     let experiment = Experiment::read(arguments)?;
     let options = options(arguments);
+    sign.set_message("identifying");
     let found = Found::of(&experiment, &options)
         .map_err(Hinted)
         .map_err(Failure::while_trying(format!("identify {}", arguments.recording.display())))?;
+    sign.finish_and_clear();
     found.notes(arguments);
 
     let model = found.model_file(&experiment, &options, &arguments.recording, &arguments.out)?;

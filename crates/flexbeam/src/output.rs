@@ -1,6 +1,7 @@
 //! Answers and files on their way out: data to standard output, talk to standard error.
 
 use std::path::Path;
+use std::time::Duration;
 
 use flexbeam_files::{Document, Error, Overwrite, Parent, Provenance, write_bytes};
 use flexbeam_report::Figure;
@@ -32,6 +33,15 @@ pub fn progress(steps: u64, what: &'static str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr_with_hz(10));
     let style = ProgressStyle::with_template("{msg:32} {bar:32} {pos}/{len} {elapsed}").expect("a fixed template");
     bar.with_style(style).with_message(what)
+}
+
+/// A sign of life on standard error during one step of unknown length; it goes when it is dropped.
+pub fn waiting(what: &'static str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{spinner} {msg} {elapsed}").expect("a fixed template");
+    let target = ProgressDrawTarget::stderr_with_hz(10);
+    let sign = ProgressBar::with_draw_target(None, target).with_style(style).with_message(what);
+    sign.enable_steady_tick(Duration::from_millis(200));
+    sign
 }
 
 /// A figure as NAME.svg and NAME.png in a folder; returns the names of the two files.

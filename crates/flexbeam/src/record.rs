@@ -10,7 +10,7 @@ use flexbeam_lti::Signals;
 use flexbeam_report::significant;
 use flexbeam_rig::{Link, RigParameters, SimulatedRig, open_loop};
 
-use crate::output::{overwrite, provenance};
+use crate::output::{overwrite, provenance, waiting};
 use crate::rig_file::rig_parameters;
 use crate::{Failure, cli};
 
@@ -37,6 +37,7 @@ pub fn run(arguments: &cli::Record) -> Result<(), Failure> {
     if arguments.linear {
         parameters = RigParameters { link: Link::Lumped, ..parameters.linear() };
     }
+    let sign = waiting("recording");
     let signals = excited(&parameters, arguments.duration, arguments.rms, arguments.seed)
         .map_err(|error| Failure::Input { tried: format!("record {}", csv.display()), error })?;
 
@@ -45,6 +46,7 @@ pub fn run(arguments: &cli::Record) -> Result<(), Failure> {
     let text = Note::new(&signals, &bytes, provenance(&parents, &note)?).to_toml(&note)?;
     write_bytes(csv, &bytes, replace)?;
     write_bytes(&note, text.as_bytes(), replace_note)?;
+    sign.finish_and_clear();
     answer(arguments, &signals, &bytes);
     Ok(())
 }

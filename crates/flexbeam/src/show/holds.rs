@@ -92,7 +92,8 @@ pub(super) fn controller(controller: &Controller) -> String {
 /// The figures of the sampled loop beside those of the continuous one.
 pub(super) fn certificate(certificate: &Certificate) -> String {
     let Certificate { continuous, sampled, .. } = certificate;
-    let rows: [(&str, &str, fn(&LoopFigures) -> f64); 8] = [
+    type Figure = fn(&LoopFigures) -> f64;
+    let rows: [(&str, &str, Figure); 8] = [
         ("robust radius", "", |f| f.robust_radius.0),
         ("bound norm (22)", "", |f| f.bound_norm),
         ("stability degree", "1/s", |f| f.stability_degree),
