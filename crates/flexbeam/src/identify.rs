@@ -54,7 +54,7 @@ pub fn run(arguments: &cli::Identify) -> Result<(), Failure> {
         .map_err(Hinted)
         .map_err(Failure::while_trying(format!("identify {}", arguments.recording.display())))?;
     sign.finish_and_clear();
-    found.notes(arguments);
+    found.notes(arguments, &experiment);
 
     let model = found.model_file(&experiment, &options, &arguments.recording, &arguments.out)?;
     model.write(&arguments.out, replace)?;
@@ -137,7 +137,7 @@ impl Found {
     }
 
     /// What a person should know besides the figures: on standard error.
-    fn notes(&self, arguments: &cli::Identify) {
+    fn notes(&self, arguments: &cli::Identify, experiment: &Experiment) {
         let Identified { singular_values, order, .. } = &self.identified;
         if arguments.order == Order::Auto {
             let next = singular_values.get(*order).copied().unwrap_or(0.0);
@@ -149,6 +149,16 @@ impl Found {
         }
         if let Err(why) = &self.identified.continuous {
             eprintln!("no continuous model: {why}\nhint: another --order, or a shorter sample period");
+        }
+        let fits = self.identified.fit_percent.iter().flatten();
+        let missed = experiment.outputs.names.iter().zip(fits).filter(|(_, fit)| **fit < 0.0);
+        let missed: Vec<&str> = missed.map(|(name, _)| name.as_str()).collect();
+        if !missed.is_empty() {
+            eprintln!(
+                "on unseen samples the mean says more about {} than the model does\n\
+                 hint: more --block-rows see slower swings, --order N decides otherwise, --plots DIR shows what is missed",
+                missed.join(", ")
+            );
         }
         if let Some(why) = self.link.as_ref().and_then(|link| link.fit.as_ref().err()) {
             eprintln!("no physical parameters: {}", Hinted(why.clone()));

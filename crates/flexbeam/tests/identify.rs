@@ -99,6 +99,8 @@ fn the_default_rig_shows_its_modes_and_its_lumped_numbers() {
         let distance = |pole: &[f64; 2]| (pole[0] - re).hypot(pole[1] - im) / f64::hypot(re, im);
         assert!(poles.iter().any(|pole| distance(pole) < within), "{re} + {im}j is not among {poles:?}");
     }
+    let short = bench.run("identify recording.csv --order 4");
+    assert!(short.err.contains("theta_rad") && short.err.contains("hint: more --block-rows"), "{}", short.err);
     for line in ["identify recording.csv --block-rows 50", "identify recording.csv --order 4"] {
         let physical = &bench.json(line)["physical"];
         for (key, needed) in [("k1", K1), ("k2", K2), ("c", C), ("b", B)] {
