@@ -26,8 +26,8 @@ impl Solvability {
 pub enum Unsolvable {
     /// The radius is below one.
     #[error(
-        "(22) has no solution: the robust radius is {radius:.6}, so the smallest reachable ||S_w|| is {:.6}, {:.1} % too large{}\nhint: it becomes solvable when alpha is scaled by {radius:.6} or less{}",
-        1.0 / radius, 100.0 * (1.0 / radius - 1.0), sampled(.period_s), smaller_beta(.largest_beta)
+        "(22) has no solution: the robust radius is {radius:.6}, so the smallest reachable ||S_w|| is {:.6}, {:.1} % too large{}\nhint: it becomes solvable when alpha is scaled by {:.6} or less{}",
+        1.0 / radius, 100.0 * (1.0 / radius - 1.0), sampled(.period_s), floor(*.radius, 1e6), smaller_beta(.largest_beta)
     )]
     Radius {
         /// The robust radius found.
@@ -39,8 +39,8 @@ pub enum Unsolvable {
     },
     /// The stiffness does not fit into the level.
     #[error(
-        "(22) has no solution with a stiffness of {requested_v_per_rad:.4} V/rad: the smallest ||S_w|| is {level:.6}, {:.1} % too large\nhint: up to {largest_v_per_rad:.4} V/rad fits below one; a smaller beta or alpha leaves room for more",
-        100.0 * (level - 1.0)
+        "(22) has no solution with a stiffness of {requested_v_per_rad:.4} V/rad: the smallest ||S_w|| is {level:.6}, {:.1} % too large\nhint: up to {:.3} V/rad fits below one; a smaller beta or alpha leaves room for more",
+        100.0 * (level - 1.0), floor(*.largest_v_per_rad, 1e3)
     )]
     Stiffness {
         /// K(0) asked for [V/rad].
@@ -56,8 +56,13 @@ fn sampled(period_s: &Option<f64>) -> String {
     period_s.map_or_else(String::new, |period_s| format!(" (sampled at {period_s} s)"))
 }
 
+/// Rounded towards what is true: a hint that is followed to its last digit must help.
+fn floor(x: f64, per_unit: f64) -> f64 {
+    (x * per_unit).floor() / per_unit
+}
+
 fn smaller_beta(largest_beta: &Option<f64>) -> String {
-    largest_beta.map_or_else(String::new, |beta| format!(", or when beta is lowered to {beta:.4}"))
+    largest_beta.map_or_else(String::new, |beta| format!(", or when beta is lowered to {:.4}", floor(beta, 1e4)))
 }
 
 /// The radius of a continuous plant, and with it whether (22) is solvable.

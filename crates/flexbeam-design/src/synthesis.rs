@@ -67,31 +67,54 @@ pub enum Outcome {
 /// explicitly, not from the formulas that designed it.
 /// Source: (19)-(27), DESIGN section 6.
 pub fn design(nominal: &StateSpace, specification: &Specification) -> Result<Outcome, Error> {
+    match attempt(nominal, specification) {
+        Ok(design) => Ok(Outcome::Solved(Box::new(design))),
+        Err(Stop::Unsolvable(reason)) => Ok(Outcome::Unsolvable(reason)),
+        Err(Stop::Error(error)) => Err(error),
+    }
+}
+
+/// Why a design ends early.
+enum Stop {
+    Unsolvable(Unsolvable),
+    Error(Error),
+}
+
+impl From<Unsolvable> for Stop {
+    fn from(reason: Unsolvable) -> Stop {
+        Stop::Unsolvable(reason)
+    }
+}
+
+impl From<Error> for Stop {
+    fn from(error: Error) -> Stop {
+        Stop::Error(error)
+    }
+}
+
+fn attempt(nominal: &StateSpace, specification: &Specification) -> Result<Design, Stop> {
     expect_nominal(nominal)?;
     expect_positive("stability degree beta [1/s]", specification.stability_degree, true)?;
     expect_positive("period [s]", specification.period_s, false)?;
     let (beta, alpha) = (specification.stability_degree, &specification.uncertainty);
-    let continuous = match stabilise(nominal, beta, alpha, specification.stiffness)? {
-        Ok(stabilised) => stabilised,
-        Err(reason) => return Ok(Outcome::Unsolvable(reason)),
-    };
+    let continuous = Problem::new(nominal, beta, alpha)?;
     let plant = sampled_plant(nominal, specification)?; // DESIGN 6.6
     let alpha_w = alpha.in_w_plane(specification.period_s);
-    let sampled = match stabilise(&plant, beta, &alpha_w, specification.stiffness)? {
-        Ok(stabilised) => stabilised,
-        Err(reason) => return Ok(Outcome::Unsolvable(reason)),
-    };
+    let sampled = Problem::new(&plant, beta, &alpha_w)?;
+    // The loop that runs comes first, so that what a reason suggests holds for it.
+    let sampled_feedback = sampled.stabilised(specification.stiffness)?; // (22)
+    let continuous_feedback = continuous.stabilised(specification.stiffness)?;
     let relative_degree = relative_degree(nominal)?;
-    let prefilter = prefilter(&plant, &sampled.feedback, relative_degree, beta, &specification.reference)?; // (24), (27)
-    Ok(Outcome::Solved(Box::new(Design {
+    let prefilter = prefilter(&plant, &sampled_feedback, relative_degree, beta, &specification.reference)?; // (24), (27)
+    Ok(Design {
         robust_radius: continuous.radius,
-        continuous: LoopFigures::of(nominal, &continuous.feedback.controller(), beta, alpha)?,
+        continuous: LoopFigures::of(nominal, &continuous_feedback.controller(), beta, alpha)?,
         sampled_radius: sampled.radius,
-        sampled: LoopFigures::of(&plant, &sampled.feedback.controller(), beta, &alpha_w)?,
+        sampled: LoopFigures::of(&plant, &sampled_feedback.controller(), beta, &alpha_w)?,
+        controller: controller(&sampled_feedback, &prefilter)?,
         sampled_uncertainty: alpha_w,
-        controller: controller(&sampled.feedback, &prefilter)?,
         prefilter,
-    })))
+    })
 }
 
 /// The plant as the sampled controller meets it: zero-order hold, delay, measurement filter.
@@ -112,54 +135,50 @@ pub fn sampled_plant(nominal: &StateSpace, specification: &Specification) -> Res
     Ok(minimal(&connections::series(&plant, &filter)?))
 }
 
-struct Stabilised {
+/// (22) for one plant, continuous or sampled, with a radius of at least one.
+struct Problem<'a> {
+    plant: HalfPlane,
+    alpha: &'a Uncertainty,
     radius: Option<f64>,
-    feedback: Feedback,
 }
 
-/// Solves (22) for one plant, continuous or sampled.
-fn stabilise(
-    plant: &StateSpace,
-    beta: f64,
-    alpha: &Uncertainty,
-    stiffness: Stiffness,
-) -> Result<Result<Stabilised, Unsolvable>, Error> {
-    let shifted = HalfPlane::new(plant, beta)?;
-    let radius = robust_radius(&shifted, alpha)?;
-    if let Some(radius) = radius.filter(|radius| *radius < 1.0) {
-        let (period_s, largest_beta) = match plant.time {
-            Time::Continuous => (None, largest_beta(plant, beta, alpha)),
-            Time::Sampled { period_s } => (Some(period_s), None),
-        };
-        return Ok(Err(Unsolvable::Radius { radius, largest_beta, period_s }));
+impl Problem<'_> {
+    fn new<'a>(plant: &StateSpace, beta: f64, alpha: &'a Uncertainty) -> Result<Problem<'a>, Stop> {
+        let shifted = HalfPlane::new(plant, beta)?;
+        let radius = robust_radius(&shifted, alpha)?;
+        match radius {
+            Some(radius) if radius < 1.0 => {
+                let (period_s, largest_beta) = match plant.time {
+                    Time::Continuous => (None, largest_beta(plant, beta, alpha)),
+                    Time::Sampled { period_s } => (Some(period_s), None),
+                };
+                Err(Unsolvable::Radius { radius, largest_beta, period_s }.into())
+            }
+            _ => Ok(Problem { plant: shifted, alpha, radius }),
+        }
     }
-    let interpolant = match interpolant(&shifted, alpha, stiffness)? {
-        Ok(interpolant) => interpolant,
-        Err(reason) => return Ok(Err(reason)),
-    };
-    let feedback = Feedback::new(&shifted, alpha, &interpolant)?;
-    Ok(Ok(Stabilised { radius, feedback }))
-}
 
-/// The interpolant of smallest norm where that is stiff enough, else the central one with the stiffness asked for.
-fn interpolant(
-    plant: &HalfPlane,
-    alpha: &Uncertainty,
-    stiffness: Stiffness,
-) -> Result<Result<Interpolant, Unsolvable>, Error> {
-    let softest = conditions(plant, alpha)?.optimal()?;
-    let Some(requested) = stiffness.requested() else { return Ok(Ok(softest)) };
-    let softest_stiffness = stiffness_of(plant, alpha, &softest, requested)?;
-    if matches!(stiffness, Stiffness::AtLeast(_)) && softest_stiffness >= requested {
-        return Ok(Ok(softest));
+    fn stabilised(&self, stiffness: Stiffness) -> Result<Feedback, Stop> {
+        Ok(Feedback::new(&self.plant, self.alpha, &self.interpolant(stiffness)?)?)
     }
-    let stiff = conditions_with_stiffness(plant, alpha, requested)?;
-    let level = stiff.optimal()?.norm;
-    if level < 1.0 {
-        return Ok(Ok(stiff.central(integrator(plant, requested)?.0)?));
+
+    /// The interpolant of smallest norm where that is stiff enough, else the central one with the stiffness asked for.
+    fn interpolant(&self, stiffness: Stiffness) -> Result<Interpolant, Stop> {
+        let (plant, alpha) = (&self.plant, self.alpha);
+        let softest = conditions(plant, alpha)?.optimal()?;
+        let Some(requested) = stiffness.requested() else { return Ok(softest) };
+        let softest_stiffness = stiffness_of(plant, alpha, &softest, requested)?;
+        if matches!(stiffness, Stiffness::AtLeast(_)) && softest_stiffness >= requested {
+            return Ok(softest);
+        }
+        let stiff = conditions_with_stiffness(plant, alpha, requested)?;
+        let level = stiff.optimal()?.norm;
+        if level < 1.0 {
+            return Ok(stiff.central(integrator(plant, requested)?.0)?);
+        }
+        let largest_v_per_rad = largest_stiffness(plant, alpha, softest_stiffness, requested)?;
+        Err(Unsolvable::Stiffness { requested_v_per_rad: requested, level, largest_v_per_rad }.into())
     }
-    let largest_v_per_rad = largest_stiffness(plant, alpha, softest_stiffness, requested)?;
-    Ok(Err(Unsolvable::Stiffness { requested_v_per_rad: requested, level, largest_v_per_rad }))
 }
 
 /// Feedback filters and prefilter side by side: inputs (v, y, u_applied), outputs (u, M v).

@@ -21,16 +21,22 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// The paper from end to end on the simulated rig: figures, report, summary
+    #[command(allow_negative_numbers = true)]
     Reproduce(Reproduce),
     /// Excite the rig and record
+    #[command(allow_negative_numbers = true)]
     Record(Record),
     /// Recording -> model
+    #[command(allow_negative_numbers = true)]
     Identify(Identify),
     /// Model -> controller and certificate
+    #[command(allow_negative_numbers = true)]
     Design(Design),
     /// Recompute a controller's certificate by other formulas; Monte Carlo on the simulated rig
+    #[command(allow_negative_numbers = true)]
     Verify(Verify),
     /// Closed loop on the nonlinear rig
+    #[command(allow_negative_numbers = true)]
     Simulate(Simulate),
     /// Experiments on the rig
     Rig {
@@ -180,10 +186,10 @@ pub struct Design {
     #[arg(long, conflicts_with_all = ["uncertainty_num", "uncertainty_den"])]
     pub uncertainty: Option<String>,
     /// Numerator of alpha(s) in the shifted plane, highest power first [rad/V]
-    #[arg(long, value_delimiter = ',', requires = "uncertainty_den", allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',', requires = "uncertainty_den")]
     pub uncertainty_num: Vec<f64>,
     /// Denominator of alpha(s), highest power first
-    #[arg(long, value_delimiter = ',', requires = "uncertainty_num", allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',', requires = "uncertainty_num")]
     pub uncertainty_den: Vec<f64>,
     /// Answer only whether (22) is solvable
     #[arg(long)]
@@ -201,10 +207,10 @@ pub struct Design {
     #[arg(long, default_value_t = 0.0)]
     pub overshoot: f64,
     /// Numerator of the reference model M(s), highest power first
-    #[arg(long, value_delimiter = ',', requires = "reference_den", conflicts_with_all = ["rise_time"], allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',', requires = "reference_den", conflicts_with_all = ["rise_time"])]
     pub reference_num: Vec<f64>,
     /// Denominator of the reference model M(s)
-    #[arg(long, value_delimiter = ',', requires = "reference_num", allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',', requires = "reference_num")]
     pub reference_den: Vec<f64>,
     /// Voltage that the largest step may take [V]
     #[arg(long, default_value_t = 10.0)]
@@ -260,7 +266,7 @@ pub struct Simulate {
     #[arg(long)]
     pub rig: Option<PathBuf>,
     /// Step of the tip angle [degree]
-    #[arg(long, default_value_t = 30.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 30.0)]
     pub step_deg: f64,
     /// Length [s]
     #[arg(long, default_value_t = 5.0)]
@@ -297,6 +303,7 @@ pub enum Law {
 #[derive(Debug, Subcommand)]
 pub enum Rig {
     /// Slow-ramp breakaway test: breakaway voltages, and the thresholds and u_p that follow
+    #[command(allow_negative_numbers = true)]
     Test(RigTest),
 }
 

@@ -60,10 +60,16 @@ fn specification(arguments: &cli::Design, model: &Model, nominal: &StateSpace) -
 }
 
 fn asked_stiffness(arguments: &cli::Design) -> Result<flexbeam_files::Stiffness, Failure> {
-    arguments
-        .stiffness
-        .parse()
-        .map_err(Failure::while_trying(format!("read --stiffness {:?}, needed", arguments.stiffness)))
+    let unreadable = |needed| NoStiffness { found: arguments.stiffness.clone(), needed };
+    arguments.stiffness.parse().map_err(unreadable).map_err(Failure::while_trying("read --stiffness"))
+}
+
+/// No word and no number.
+#[derive(Debug, thiserror::Error)]
+#[error("found {found:?}, needed {needed}\nhint: `needed` is the default: 0.15 degree behind the residual voltage")]
+struct NoStiffness {
+    found: String,
+    needed: flexbeam_files::NoStiffness,
 }
 
 fn reference(arguments: &cli::Design) -> Result<Reference, Failure> {
@@ -113,7 +119,8 @@ fn beam(arguments: &cli::Design, model: &Model) -> Result<Beam, Failure> {
     match (&arguments.rig, &model.physical) {
         (None, Some(physical)) => {
             let tried = "form the distributed beam";
-            let physical = Physical::from_lumped(&lumped(physical), &Drive::SRV02).map_err(Failure::while_trying(tried))?;
+            let physical =
+                Physical::from_lumped(&lumped(physical), &Drive::SRV02).map_err(Failure::while_trying(tried))?;
             Beam::new(physical, Damping::Modal { zeta: Beam::ZETA }).map_err(Failure::while_trying(tried))
         }
         (rig, _) => beam_of_rig(rig.as_deref()),
@@ -190,9 +197,7 @@ fn robust_only(arguments: &cli::Design, nominal: &StateSpace, specification: &Sp
     if !answer.is_solvable() {
         // The design says why, and what would help.
         let tried = || format!("design a controller for {}", arguments.model.display());
-        if let Outcome::Unsolvable(reason) =
-            design(nominal, specification).map_err(Failure::while_trying(tried()))?
-        {
+        if let Outcome::Unsolvable(reason) = design(nominal, specification).map_err(Failure::while_trying(tried()))? {
             return answer_no(arguments, Some((nominal, specification)), Box::new(reason));
         }
     }
@@ -210,7 +215,8 @@ fn robust_only(arguments: &cli::Design, nominal: &StateSpace, specification: &Sp
 
 fn solve(arguments: &cli::Design, nominal: &StateSpace, specification: &Specification) -> Result<Solvability, Failure> {
     let tried = format!("find the robust radius of {}", arguments.model.display());
-    solvability(nominal, specification.stability_degree, &specification.uncertainty).map_err(Failure::while_trying(tried))
+    solvability(nominal, specification.stability_degree, &specification.uncertainty)
+        .map_err(Failure::while_trying(tried))
 }
 
 /// The answer is no: the JSON object says so too.
@@ -255,11 +261,25 @@ pub fn checks(file: &Controller) -> Vec<Check> {
     vec![
         line("robust radius", "", sampled.robust_radius.0, "", "≥ 1".into(), sampled.robust_radius.0 >= 1.0),
         line("bound norm (22)", "‖S_w‖", sampled.bound_norm, "", "≤ 1".into(), sampled.bound_norm <= 1.0),
-        line("stability degree", "β", sampled.stability_degree, "1/s", format!("> {beta}"), sampled.stability_degree > beta),
+        line(
+            "stability degree",
+            "β",
+            sampled.stability_degree,
+            "1/s",
+            format!("> {beta}"),
+            sampled.stability_degree > beta,
+        ),
         line("stiffness", "K(0)", sampled.stiffness.0, "V/rad", String::new(), sampled.stiffness.0 > 0.0),
         line("error behind v_res", "", error_deg, "deg", String::new(), error_deg.is_finite()),
         line("gain margin", "", sampled.gain_margin.0, "", "> 1".into(), sampled.gain_margin.0 > 1.0),
-        line("phase margin", "", degrees(sampled.phase_margin_rad), "deg", "> 0".into(), sampled.phase_margin_rad.0 > 0.0),
+        line(
+            "phase margin",
+            "",
+            degrees(sampled.phase_margin_rad),
+            "deg",
+            "> 0".into(),
+            sampled.phase_margin_rad.0 > 0.0,
+        ),
         line("delay margin", "", 1e3 * sampled.delay_margin_s.0, "ms", "> 0".into(), sampled.delay_margin_s.0 > 0.0),
         line("disk margin", "", sampled.disk_margin.0, "", "> 0".into(), sampled.disk_margin.0 > 0.0),
     ]

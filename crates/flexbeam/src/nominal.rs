@@ -16,7 +16,9 @@ enum NoPlant {
     Output { wanted: String, outputs: Vec<String> },
     #[error("found {} inputs, {}; needed one\nhint: identify with the motor voltage as the only input", .0.len(), .0.join(", "))]
     Inputs(Vec<String>),
-    #[error("the model has no table [physical], which --nominal physical asks for\nhint: identify with theta_rad and alpha_rad as outputs and --order 4")]
+    #[error(
+        "the model has no table [physical], which --nominal physical asks for\nhint: identify with theta_rad and alpha_rad as outputs and --order 4"
+    )]
     NoPhysical,
 }
 

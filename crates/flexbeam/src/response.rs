@@ -97,4 +97,3 @@ impl From<Law> for flexbeam_files::Law {
 pub fn degrees(radians: &[f64]) -> Vec<f64> {
     radians.iter().map(|x| x.to_degrees()).collect()
 }
-

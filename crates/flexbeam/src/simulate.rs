@@ -78,7 +78,11 @@ fn expect(
     holds: bool,
     needed: &'static str,
 ) -> Result<(), Failure> {
-    if holds && found.is_finite() { Ok(()) } else { Err(Failure::while_trying(tried())(Setting { name, found, needed })) }
+    if holds && found.is_finite() {
+        Ok(())
+    } else {
+        Err(Failure::while_trying(tried())(Setting { name, found, needed }))
+    }
 }
 
 /// The command line's law, or the file's; a linear run needs none.
@@ -104,7 +108,11 @@ fn table(result: &SimulateResult) -> Table {
     let number = |x: f64, digits| Cell::number(x, digits);
     let yes_no = |yes: bool| Cell::from(if yes { "yes" } else { "no" });
     let table = Table::new(&[("figure", ""), ("value", ""), ("unit", "")])
-        .row(["settling time (2 %)".into(), result.settling_time_s.map_or("never".into(), |t| number(t, 4)), "s".into()])
+        .row([
+            "settling time (2 %)".into(),
+            result.settling_time_s.map_or("never".into(), |t| number(t, 4)),
+            "s".into(),
+        ])
         .row(["overshoot".into(), number(result.overshoot_percent, 3), "%".into()])
         .row(["stationary error".into(), number(result.stationary_error_rad.to_degrees(), 3), "deg".into()])
         .row(["residual vibration".into(), number(result.residual_vibration_rad.to_degrees(), 3), "deg".into()])

@@ -58,7 +58,8 @@ impl Parts {
     /// Turns the file's plain tables into systems.
     pub fn of(file: &Controller) -> Result<Parts, Failure> {
         let design = &file.design;
-        let nominal = file.plant_state_space().map_err(Failure::while_trying("use the nominal plant of the controller"))?;
+        let nominal =
+            file.plant_state_space().map_err(Failure::while_trying("use the nominal plant of the controller"))?;
         Ok(Parts {
             nominal,
             controller: controller_system(file)?,
@@ -212,7 +213,11 @@ fn runs_table(runs: &Summary) -> Table {
     let table = row(table, "settling time", &runs.settling_time_s, 1.0, "s");
     let table = row(table, "residual vibration", &runs.residual_vibration_rad, degree, "deg");
     let share = |x: f64| Cell::number(100.0 * x, 4);
-    table
-        .row(["stable runs".into(), share(runs.share_stable), "".into(), "".into(), "%".into()])
-        .row(["limit cycles".into(), share(runs.share_limit_cycle), "".into(), "".into(), "%".into()])
+    table.row(["stable runs".into(), share(runs.share_stable), "".into(), "".into(), "%".into()]).row([
+        "limit cycles".into(),
+        share(runs.share_limit_cycle),
+        "".into(),
+        "".into(),
+        "%".into(),
+    ])
 }

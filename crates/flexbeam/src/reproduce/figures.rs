@@ -77,6 +77,7 @@ fn frequencies(findings: &Findings, from: f64, to: f64) -> Vec<f64> {
     for mode in findings.beam.modes(6).iter().filter(|mode| mode.im < to) {
         omega.extend((-20..=20).map(|k| mode.im + f64::from(k) * 0.2 * -mode.re));
     }
+    omega.retain(|w| (from..=to).contains(w));
     omega.sort_by(f64::total_cmp);
     omega
 }
@@ -96,11 +97,11 @@ fn bode(findings: &Findings) -> Result<Figure, Failure> {
         phase = phase.clone().with(style(Series::line(name, &omega, &unwrapped(G))));
     };
     add("distributed beam", &beam, |s| s.width(1.2));
-    if let Some(G) = &findings.plant.nonlinear_identified {
-        add("identified, nonlinear rig", &curve(G, &[0, 1]), |s| s.width(1.0));
+    if let Some(G) = &findings.plant.modes_identified {
+        add("identified, three modes", &curve(G, &[0, 1]), |s| s.dash(Dash::Dotted));
     }
     if let Ok(G) = &findings.plant.identified.continuous {
-        add("identified, linear rig", &curve(G, &[0, 1]), |s| s.width(3.0).colour(Colour::Grey));
+        add("identified, 1 % noise", &curve(G, &[0, 1]), |s| s.width(3.0).colour(Colour::Grey));
     }
     add("G₀, nominal", &curve(&findings.nominal, &[0]), |s| s);
     add("(18) as printed", &printed, |s| s.dash(Dash::Dashed));
@@ -159,7 +160,7 @@ fn radius(findings: &Findings) -> Figure {
     let least = modes[1..].iter().map(|mode| -mode.re).fold(f64::INFINITY, f64::min);
     let mut panel = Panel::new("Robust radius [rad/V]")
         .log_y()
-        .shade(least, 16.0, "not reachable on the beam: a neglected mode is less damped")
+        .shade(least, 16.0, "not reachable on the beam")
         .line("radius for α(s) = 1", &beta, &radius)
         .with(Series::markers("this design", &[BETA], &[radius_at(&beta, &radius)], Marker::Circle));
     for (k, mode) in modes.iter().enumerate() {
@@ -221,7 +222,7 @@ fn control_input(findings: &Findings) -> Figure {
     let record = findings.laws.records.last().expect("a record of each law");
     let (t, u) = from_step(&record.u_v, period_s, SHOWN_S);
     let (_, v) = from_step(&record.voltage_v, period_s, SHOWN_S);
-    Figure::new("Fig. 10  Control input with the inverse law", "Time [s]")
+    Figure::new("Fig. 10  Control input u(t) before the variable structure, and the motor voltage", "Time [s]")
         .size(800.0, 520.0)
         .panel(Panel::new("u(t) before the law [V]").with(Series::step("controller u", &t, &u)))
         .panel(Panel::new("Motor voltage [V]").with(Series::step("motor V", &t, &v).width(0.9)))

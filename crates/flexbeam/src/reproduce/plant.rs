@@ -36,8 +36,8 @@ pub struct Plant {
     pub recording: Signals,
     /// Subspace model of the recording with noise.
     pub identified: Identified,
-    /// The same for the nonlinear rig.
-    pub nonlinear_identified: Option<StateSpace>,
+    /// Subspace model of the rig with its modes, without friction.
+    pub modes_identified: Option<StateSpace>,
     /// The design's nominal plant: the structured fit of the recording with noise.
     pub nominal: Lumped,
     noise_free: LinkParameters,
@@ -52,11 +52,10 @@ pub fn identify(rig: &RigParameters, seed: u64, folder: &Path) -> Result<Plant, 
     let recording = with_noise(clean, seed);
     let noisy_model = identified(&recording, Order::Auto)?;
     let noisy = structured(&recording, unstructured(&noisy_model)?)?;
-    let nonlinear_recording = record(rig, NONLINEAR_RMS_V, seed)?;
-    let nonlinear = structured(&nonlinear_recording, noise_free)?;
+    let nonlinear = structured(&record(rig, NONLINEAR_RMS_V, seed)?, noise_free)?;
     let plant = Plant {
         nominal: of_link(noisy.parameters),
-        nonlinear_identified: identified(&nonlinear_recording, Order::Auto)?.continuous.ok(),
+        modes_identified: identified(&record(&rig.linear(), RMS_V, seed)?, Order::Auto)?.continuous.ok(),
         recording,
         identified: noisy_model,
         noise_free,

@@ -118,3 +118,15 @@ pub fn pseudorandom(count: usize) -> Vec<f64> {
     };
     (0..count).map(|_| next()).collect()
 }
+
+/// A model file with the lumped plant's matrices, written by hand as a user would.
+pub fn model(plant: &flexbeam_rig::Lumped) -> String {
+    let flexbeam_rig::Lumped { k1, k2, c, b } = *plant;
+    format!(
+        "schema = \"flexbeam.model/1\"\ntime = \"continuous\"\n\
+         inputs = [\"voltage_v\"]\noutputs = [\"theta_rad\", \"alpha_rad\"]\n\
+         A = [[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, {k1:?}, -{c:?}, 0.0], [0.0, -{k2:?}, {c:?}, 0.0]]\n\
+         B = [[0.0], [0.0], [{b:?}], [-{b:?}]]\n\
+         C = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]]\nD = [[0.0], [0.0]]\n"
+    )
+}
