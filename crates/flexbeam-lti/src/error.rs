@@ -123,7 +123,9 @@ pub enum Error {
         iterations: usize,
     },
     /// A chosen eigenvalue that agrees with one left behind.
-    #[error("eigenvalue {re:.6} + {im:.6}j lies in both parts of the division to working precision; move the dividing line")]
+    #[error(
+        "eigenvalue {re:.6} + {im:.6}j lies in both parts of the division to working precision; move the dividing line"
+    )]
     NotSeparable {
         /// Real part.
         re: f64,
@@ -139,7 +141,9 @@ pub enum Error {
         im: f64,
     },
     /// A pole on the imaginary axis or the unit circle.
-    #[error("pole {re:.6} + {im:.6}j is on the stability boundary to working precision; shift the axis by a stability degree")]
+    #[error(
+        "pole {re:.6} + {im:.6}j is on the stability boundary to working precision; shift the axis by a stability degree"
+    )]
     BoundaryPole {
         /// Real part.
         re: f64,

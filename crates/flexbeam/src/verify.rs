@@ -8,8 +8,8 @@ use flexbeam_files::{
 use flexbeam_lti::{C64, Rational, StateSpace, Zpk};
 use flexbeam_report::{Cell, Table, Verdict, significant};
 use flexbeam_verify::{
-    BeamPlant, Campaign, Claim, OnBeam, Quantiles, Scenario, Subject, Summary, Timing, Verified, monte_carlo, on_beam,
-    verify,
+    BeamPlant, Campaign, Claim, Comparison, OnBeam, Quantiles, Scenario, Subject, Summary, Timing, Verified,
+    monte_carlo, on_beam, verify,
 };
 
 use crate::Failure;
@@ -192,12 +192,18 @@ fn monte_carlo_result(runs: &Summary, seed: u64) -> MonteCarlo {
     }
 }
 
-/// Each figure beside the claimed one.
+/// Each figure beside the claimed one, or beside the limit that it must keep.
 pub fn table(figures: &[&Verified]) -> Table {
-    let columns = [("figure", ""), ("claimed", ""), ("recomputed", ""), ("verdict", "")];
+    let columns = [("figure", ""), ("", ""), ("claimed or limit", ""), ("recomputed", ""), ("verdict", "")];
     figures.iter().fold(Table::new(&columns), |table, f| {
         let number = |x: f64| Cell::number(x, 7);
-        table.row([f.figure.into(), number(f.claimed), number(f.recomputed), Cell::from(Verdict::from(f.agrees))])
+        let sense = match f.comparison {
+            Comparison::AtLeast => "≥",
+            Comparison::AtMost => "≤",
+            Comparison::Equal | Comparison::EqualInverse | Comparison::EqualOrSmall => "=",
+        };
+        let verdict = Cell::from(Verdict::from(f.agrees));
+        table.row([f.figure.into(), sense.into(), number(f.claimed), number(f.recomputed), verdict])
     })
 }
 

@@ -267,3 +267,102 @@ fn the_command_line_chapter_has_the_program_s_json_keys() {
         assert_eq!(documented_keys(&section(&page, command)), keys, "left: the book; right: {command} --json");
     }
 }
+
+/// Every Rust source of the crates, tests left out, as one text per file; escapes of string literals undone.
+fn sources() -> Vec<String> {
+    let mut found = Vec::new();
+    let mut folders: Vec<PathBuf> =
+        std::fs::read_dir(root().join("crates")).unwrap().map(|e| e.unwrap().path().join("src")).collect();
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                found.push(plain(&std::fs::read_to_string(path).unwrap()));
+            }
+        }
+    }
+    found
+}
+
+/// A source with its continued lines joined and its quotes bare: what a person reads.
+fn plain(source: &str) -> String {
+    let mut joined = String::new();
+    for part in source.split("\\\n") {
+        let next = if joined.is_empty() { part } else { part.trim_start() };
+        joined.push_str(next);
+    }
+    joined.replace("\\\"", "\u{1}")
+}
+
+/// The literal parts of a message between its placeholders, without its hint.
+fn fixed_parts(message: &str) -> Vec<String> {
+    let text = message.split("\\nhint").next().unwrap_or_default();
+    let text = text.split("; hint").next().unwrap_or_default();
+    let mut parts = vec![String::new()];
+    let mut inside = false;
+    for c in text.chars() {
+        match c {
+            '{' => inside = true,
+            '}' => {
+                inside = false;
+                parts.push(String::new());
+            }
+            c if !inside => parts.last_mut().expect("there is one").push(c),
+            _ => {}
+        }
+    }
+    parts.into_iter().map(|part| part.replace('\u{1}', "\"")).collect()
+}
+
+/// The messages of `#[error("..")]`.
+fn error_messages(source: &str) -> Vec<String> {
+    let attributes = source.split("#[error(").skip(1);
+    let literals = attributes.filter_map(|rest| rest.trim_start().strip_prefix('"')?.split('"').next());
+    literals.map(String::from).collect()
+}
+
+/// The text literals of `Fault::found`.
+fn fault_messages(source: &str) -> Vec<String> {
+    let Some((_, rest)) = source.split_once("pub fn found(&self)") else { return Vec::new() };
+    let body = rest.split("pub fn needed(&self)").next().unwrap_or_default();
+    body.split('"').skip(1).step_by(2).map(String::from).collect()
+}
+
+#[test]
+fn the_error_index_has_every_message() {
+    let page = Page::read(root().join("book/src/errors.md")).text.replace("\\|", "|");
+    let mut missing = BTreeSet::new();
+    for source in sources() {
+        for message in error_messages(&source).into_iter().chain(fault_messages(&source)) {
+            let longest = fixed_parts(&message).into_iter().max_by_key(String::len).unwrap_or_default();
+            let words = longest.trim_matches([' ', ',', ';', ':', '(', ')', '/', '-']);
+            if words.len() > 3 && !page.contains(words) {
+                missing.insert(words.to_string());
+            }
+        }
+    }
+    assert!(missing.is_empty(), "not in book/src/errors.md: {missing:#?}");
+}
+
+/// First cells of the index's tables, as code: the messages that it lists.
+fn listed_messages(page: &str) -> Vec<String> {
+    let unescaped = page.replace("\\|", "\u{2}");
+    let rows = unescaped.lines().filter(|line| line.starts_with("| `"));
+    let cells = rows.filter_map(|row| row.split('|').nth(1));
+    cells
+        .flat_map(|cell| cell.split('`').skip(1).step_by(2).map(|m| m.replace('\u{2}', "|")).collect::<Vec<_>>())
+        .collect()
+}
+
+#[test]
+fn the_error_index_lists_nothing_else() {
+    let page = Page::read(root().join("book/src/errors.md"));
+    let everything = sources().concat().replace('\u{1}', "\"");
+    let listed = listed_messages(&page.text);
+    assert!(listed.len() > 80, "only {} messages were found in the index", listed.len());
+    let parts = listed.iter().flat_map(|message| message.split('…'));
+    let words = parts.map(|part| part.trim_matches([' ', ',', ';', ':', '(', ')', '"', '-']));
+    let unknown: BTreeSet<&str> = words.filter(|part| part.len() > 3 && !everything.contains(part)).collect();
+    assert!(unknown.is_empty(), "no message of the program has these words: {unknown:#?}");
+}
