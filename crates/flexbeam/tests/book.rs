@@ -295,9 +295,9 @@ fn plain(source: &str) -> String {
     joined.replace("\\\"", "\u{1}")
 }
 
-/// The literal parts of a message between its placeholders, without its hint.
+/// The literal parts of a message's first line between its placeholders, without its hint.
 fn fixed_parts(message: &str) -> Vec<String> {
-    let text = message.split("\\nhint").next().unwrap_or_default();
+    let text = message.split("\\n").next().unwrap_or_default();
     let text = text.split("; hint").next().unwrap_or_default();
     let mut parts = vec![String::new()];
     let mut inside = false;
