@@ -27,7 +27,7 @@ pub struct Margins {
 /// Margins of a stable loop of plant G and controller K, u = -K y, both in one time axis.
 ///
 /// Numerics: eigenvalues of matrices of twice the loop's order; candidates count as lying on the axis within
-/// [`NEAR_AXIS`] and are polished by the secant method on the loop gain.
+/// `NEAR_AXIS` and are polished by the secant method on the loop gain.
 pub fn margins(G: &StateSpace, K: &StateSpace) -> Result<Margins, Error> {
     let L = connections::series(K, G)?;
     let half_plane = match L.time {
