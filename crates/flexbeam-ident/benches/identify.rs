@@ -4,9 +4,9 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use flexbeam_ident::excitation::white_gaussian;
-use flexbeam_ident::physical::LinkParameters;
 use flexbeam_ident::{Options, Order, identify};
 use flexbeam_lti::{Mat, Signals, Vector, sampling, simulation};
+use flexbeam_rig::{Lumped, Output};
 
 fn signals(names: &[&str], data: Mat) -> Signals {
     let names: Vec<String> = names.iter().map(|n| n.to_string()).collect();
@@ -15,7 +15,7 @@ fn signals(names: &[&str], data: Mat) -> Signals {
 
 /// Voltage and the noisy outputs of (18).
 fn record(samples: usize, outputs: &[usize]) -> (Signals, Signals) {
-    let plant = LinkParameters { k1: 1060.8, k2: 1465.2, c: 57.7, b: 107.39 }.state_space();
+    let plant = Lumped::PAPER.state_space(&[Output::Theta, Output::Alpha]).unwrap();
     let sampled = sampling::zoh(&plant, 0.001).expect("a continuous plant");
     let V = Mat::from_row_slice(1, samples, &white_gaussian(samples, 2.0, 10.0, 1));
     let mut Y = simulation::simulate(&sampled, &V, &Vector::zeros(4)).expect("shapes fit").select_rows(outputs);

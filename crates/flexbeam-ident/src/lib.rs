@@ -6,12 +6,13 @@
 //! The paper's (18), from a recording of its own linear model and back:
 //!
 //! ```
-//! use flexbeam_ident::physical::{LinkParameters, physical_form};
+//! use flexbeam_ident::physical::physical_form;
+//! use flexbeam_rig::{Lumped, Output};
 //! use flexbeam_ident::{Options, excitation, identify};
 //! use flexbeam_lti::{Mat, Signals, Vector, sampling::zoh, simulation::simulate};
 //!
 //! let period_s = 0.001;
-//! let plant = LinkParameters { k1: 1060.8, k2: 1465.2, c: 57.7, b: 107.39 }.state_space();
+//! let plant = Lumped::PAPER.state_space(&[Output::Theta, Output::Alpha]).unwrap();
 //! let voltage_v = Mat::from_row_slice(1, 2000, &excitation::white_gaussian(2000, 2.0, 10.0, 1));
 //! let angles_rad = simulate(&zoh(&plant, period_s)?, &voltage_v, &Vector::zeros(4))?;
 //!

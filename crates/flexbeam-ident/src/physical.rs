@@ -4,51 +4,13 @@
 //! Deliberately absent: stiffness and inertias, which need the motor's constants and belong to the rig.
 
 use flexbeam_lti::{Mat, StateSpace, Time, Vector};
+use flexbeam_rig::Lumped;
 
 use crate::Error;
 use crate::singular::left_singular;
 
 /// [C; CA] whose rows, scaled to length one, have a smaller reciprocal condition than this carries no digits of a state.
 const LEAST_CONDITION: f64 = 1e-13;
-
-/// The four numbers of (18): theta'' = k1 alpha - c theta' + b V, alpha'' = -k2 alpha + c theta' - b V.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinkParameters {
-    /// K_stiff / J_base [1/s^2].
-    pub k1: f64,
-    /// K_stiff (1/J_link + 1/J_base) [1/s^2].
-    pub k2: f64,
-    /// K_T K_b K_g^2 / (J_base R) + B_eq / J_base [1/s].
-    pub c: f64,
-    /// K_T K_g / (J_base R) [rad/s^2/V].
-    pub b: f64,
-}
-
-impl LinkParameters {
-    /// A and B of (18), continuous, with theta and alpha as outputs.
-    pub fn state_space(&self) -> StateSpace {
-        let LinkParameters { k1, k2, c, b } = *self;
-        #[rustfmt::skip]
-        let A = Mat::from_row_slice(4, 4, &[
-            0.0,  0.0, 1.0, 0.0,
-            0.0,  0.0, 0.0, 1.0,
-            0.0,   k1,  -c, 0.0,
-            0.0,  -k2,   c, 0.0,
-        ]);
-        let B = Mat::from_column_slice(4, 1, &[0.0, 0.0, b, -b]);
-        StateSpace { A, B, C: Mat::identity(2, 4), D: Mat::zeros(2, 1), time: Time::Continuous }
-    }
-
-    /// k1, k2, c, b.
-    pub fn to_array(self) -> [f64; 4] {
-        [self.k1, self.k2, self.c, self.b]
-    }
-
-    /// From k1, k2, c, b.
-    pub fn from_array([k1, k2, c, b]: [f64; 4]) -> LinkParameters {
-        LinkParameters { k1, k2, c, b }
-    }
-}
 
 /// A model in the coordinates [theta alpha theta' alpha'].
 #[derive(Clone, Debug)]
@@ -57,7 +19,7 @@ pub struct PhysicalForm {
     /// the data say, without any pattern forced on them.
     pub model: StateSpace,
     /// The entries read off: k1 = A(3,2), k2 = -A(4,2), c = -A(3,3), b = B(3).
-    pub parameters: LinkParameters,
+    pub parameters: Lumped,
 }
 
 /// x_physical = T x with T = [C; CA]: T A T^-1 and T B.
@@ -85,7 +47,7 @@ pub fn physical_form(model: &StateSpace, theta: usize, alpha: usize) -> Result<P
     A.rows_mut(2, 2).copy_from(&lower);
     let B = stacked(&(&C * &model.B), &(&CA * &model.B));
     let D = model.D.select_rows(&[theta, alpha]);
-    let parameters = LinkParameters { k1: A[(2, 1)], k2: -A[(3, 1)], c: -A[(2, 2)], b: B[2] };
+    let parameters = Lumped { k1: A[(2, 1)], k2: -A[(3, 1)], c: -A[(2, 2)], b: B[2] };
     let model = StateSpace::new(A, B, Mat::identity(2, 4), D, Time::Continuous)?;
     Ok(PhysicalForm { model, parameters })
 }

@@ -5,9 +5,9 @@
 
 use flexbeam_lti::exponential::exponential_minus_identity;
 use flexbeam_lti::{Mat, Vector};
+use flexbeam_rig::Lumped;
 
 use crate::Error;
-use crate::physical::LinkParameters;
 use crate::triangle::{CHUNK_ROWS, Triangle};
 
 /// Parameters: k1, k2, c, b.
@@ -36,9 +36,9 @@ const RESIDUAL_FLOOR: f64 = 1e-14;
 #[derive(Clone, Debug)]
 pub struct LinkFit {
     /// The estimate.
-    pub parameters: LinkParameters,
+    pub parameters: Lumped,
     /// One standard error of each, for white noise on the outputs.
-    pub standard_errors: LinkParameters,
+    pub standard_errors: Lumped,
     /// theta, alpha, theta', alpha' at the first sample.
     pub initial_state: Vector,
     /// Constant voltage that acts beside the recorded one [V]: an asymmetric dead zone, or a mean that was removed.
@@ -63,7 +63,7 @@ pub fn structured_fit(
     theta_rad: &[f64],
     alpha_rad: &[f64],
     period_s: f64,
-    start: LinkParameters,
+    start: Lumped,
 ) -> Result<LinkFit, Error> {
     let record = Record::new(voltage_v, theta_rad, alpha_rad, period_s)?;
     let mut sigma = record.rms();
@@ -222,8 +222,8 @@ impl Linearised {
 
     fn into_fit(self, point: [f64; PARAMETERS], linear: &Vector, iterations: usize) -> LinkFit {
         LinkFit {
-            parameters: LinkParameters::from_array(point),
-            standard_errors: LinkParameters::from_array(self.standard_errors()),
+            parameters: Lumped::from_array(point),
+            standard_errors: Lumped::from_array(self.standard_errors()),
             initial_state: linear.rows(0, STATES).into_owned(),
             voltage_offset_v: linear[VOLTAGE_OFFSET],
             alpha_offset_rad: linear[ALPHA_OFFSET],
@@ -246,14 +246,13 @@ type Step = [[f64; STATES + 1]; STATES];
 
 impl Sensitive {
     fn new(point: &[f64; PARAMETERS], period_s: f64) -> Sensitive {
-        let M = held(&LinkParameters::from_array(*point)) * period_s;
+        let M = held(&Lumped::from_array(*point)) * period_s;
         let E = rows_of(&exponential_minus_identity(&M));
         let by_parameter = std::array::from_fn(|p| {
             let mut direction = [0.0; PARAMETERS];
             direction[p] = 1.0;
             // (18) is linear in its parameters except for the two fixed ones.
-            let dM =
-                (held(&LinkParameters::from_array(direction)) - held(&LinkParameters::from_array([0.0; 4]))) * period_s;
+            let dM = (held(&Lumped::from_array(direction)) - held(&Lumped::from_array([0.0; 4]))) * period_s;
             let mut block = Mat::zeros(2 * (STATES + 1), 2 * (STATES + 1));
             block.view_mut((0, 0), M.shape()).copy_from(&M);
             block.view_mut((STATES + 1, STATES + 1), M.shape()).copy_from(&M);
@@ -265,11 +264,11 @@ impl Sensitive {
 }
 
 /// [A B; 0 0].
-fn held(parameters: &LinkParameters) -> Mat {
-    let system = parameters.state_space();
+fn held(parameters: &Lumped) -> Mat {
+    let (A, B) = parameters.matrices();
     let mut M = Mat::zeros(STATES + 1, STATES + 1);
-    M.view_mut((0, 0), (STATES, STATES)).copy_from(&system.A);
-    M.view_mut((0, STATES), (STATES, 1)).copy_from(&system.B);
+    M.view_mut((0, 0), (STATES, STATES)).copy_from(&A);
+    M.view_mut((0, STATES), (STATES, 1)).copy_from(&B);
     M
 }
 

@@ -1,19 +1,24 @@
 //! The paper's plant (18): identified, carried to continuous time and to physical coordinates.
 
 use flexbeam_ident::excitation::white_gaussian;
-use flexbeam_ident::physical::{LinkParameters, physical_form, physical_state};
+use flexbeam_ident::physical::{physical_form, physical_state};
 use flexbeam_ident::structured::{LinkFit, structured_fit};
 use flexbeam_ident::{Error, Identified, Method, Options, Order, identify};
 use flexbeam_lti::{C64, Mat, Signals, StateSpace, Time, Vector, sampling, simulation};
+use flexbeam_rig::{Lumped, Output};
 
-const TRUE: LinkParameters = LinkParameters { k1: 1060.8, k2: 1465.2, c: 57.7, b: 107.39 };
+const TRUE: Lumped = Lumped::PAPER;
+
+fn plant() -> StateSpace {
+    TRUE.state_space(&[Output::Theta, Output::Alpha]).unwrap()
+}
 const PERIOD_S: f64 = 0.001;
 const SAMPLES: usize = 10_000;
 
 /// Voltage, and theta and alpha of (18) behind a zero-order hold.
 fn record(samples: usize, seed: u64, initial: &Vector) -> (Mat, Mat) {
     let V = Mat::from_row_slice(1, samples, &white_gaussian(samples, 2.0, 10.0, seed));
-    let sampled = sampling::zoh(&TRUE.state_space(), PERIOD_S).unwrap();
+    let sampled = sampling::zoh(&plant(), PERIOD_S).unwrap();
     let Y = simulation::simulate(&sampled, &V, initial).unwrap();
     (V, Y)
 }
@@ -40,14 +45,14 @@ fn identified(V: &Mat, Y: &Mat, method: Method, order: Order) -> Identified {
     identify(&signals(&["voltage_v"], V), &signals(names, Y), &options).unwrap()
 }
 
-fn fitted(V: &Mat, Y: &Mat, start: LinkParameters) -> Result<LinkFit, Error> {
+fn fitted(V: &Mat, Y: &Mat, start: Lumped) -> Result<LinkFit, Error> {
     let row = |p: usize| Y.row(p).transpose();
     structured_fit(V.as_slice(), row(0).as_slice(), row(1).as_slice(), PERIOD_S, start)
 }
 
 /// Nonzero entries of (18), each error relative to the entry's own size.
 fn entry_errors(model: &StateSpace) -> Vec<(&'static str, f64)> {
-    let LinkParameters { k1, k2, c, b } = TRUE;
+    let Lumped { k1, k2, c, b } = TRUE;
     let (A, B) = (&model.A, &model.B);
     [
         ("A(1,3)", A[(0, 2)], 1.0),
@@ -67,7 +72,7 @@ fn worst(errors: &[(&'static str, f64)]) -> f64 {
     errors.iter().map(|e| e.1).fold(0.0, f64::max)
 }
 
-fn parameter_error(parameters: &LinkParameters) -> f64 {
+fn parameter_error(parameters: &Lumped) -> f64 {
     let pairs = parameters.to_array().into_iter().zip(TRUE.to_array());
     pairs.map(|(found, value)| (found / value - 1.0).abs()).fold(0.0, f64::max)
 }
@@ -88,7 +93,7 @@ fn pole_error(found: &StateSpace, wanted: &[C64]) -> f64 {
 
 /// -34.872 and the roots of s^2 + 22.828 s + 669.14 to all digits: zeros of s^3 + c s^2 + k2 s + c (k2 - k1) by Newton.
 fn poles_without_integrator() -> Vec<C64> {
-    let LinkParameters { k1, k2, c, .. } = TRUE;
+    let Lumped { k1, k2, c, .. } = TRUE;
     let p = |s: C64| ((s + c) * s + k2) * s + c * (k2 - k1);
     let derivative = |s: C64| (s * 3.0 + 2.0 * c) * s + k2;
     [C64::new(-34.872, 0.0), C64::new(-11.414, 23.21), C64::new(-11.414, -23.21)]
@@ -178,7 +183,7 @@ fn ten_percent_noise_leaves_four_states_and_one_percent_parameters() {
 fn structured_fit_is_exact_without_noise_and_finds_the_initial_state() {
     let initial = Vector::from_column_slice(&[0.4, -0.02, 0.5, 1.0]);
     let (V, Y) = record(2000, 3, &initial);
-    let start = LinkParameters { k1: 900.0, k2: 1600.0, c: 40.0, b: 130.0 };
+    let start = Lumped { k1: 900.0, k2: 1600.0, c: 40.0, b: 130.0 };
     let fit = fitted(&V, &Y, start).unwrap();
     assert!(parameter_error(&fit.parameters) < 1e-11, "{fit:?}");
     assert!((&fit.initial_state - initial).norm() < 1e-11, "{fit:?}");
@@ -190,14 +195,14 @@ fn structured_fit_is_exact_without_noise_and_finds_the_initial_state() {
 fn offsets_of_gauge_and_voltage_are_found() {
     let (V, mut Y) = record(2000, 3, &Vector::zeros(4));
     Y.row_mut(1).add_scalar_mut(0.03);
-    let fit = fitted(&V.add_scalar(-0.2), &Y, LinkParameters { k1: 900.0, k2: 1600.0, c: 40.0, b: 130.0 }).unwrap();
+    let fit = fitted(&V.add_scalar(-0.2), &Y, Lumped { k1: 900.0, k2: 1600.0, c: 40.0, b: 130.0 }).unwrap();
     assert!(parameter_error(&fit.parameters) < 1e-11, "{fit:?}");
     assert!((fit.alpha_offset_rad - 0.03).abs() < 1e-11 && (fit.voltage_offset_v - 0.2).abs() < 1e-10, "{fit:?}");
 }
 
 #[test]
 fn physical_form_refuses_what_is_not_the_link() {
-    let plant = TRUE.state_space();
+    let plant = plant();
     assert!(matches!(physical_form(&plant, 0, 0), Err(Error::NotTheFlexibleLink { .. })));
     assert!(matches!(physical_form(&plant, 0, 2), Err(Error::NotTheFlexibleLink { .. })));
     let sampled = sampling::zoh(&plant, PERIOD_S).unwrap();

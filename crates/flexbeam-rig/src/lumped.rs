@@ -57,6 +57,12 @@ impl Lumped {
     /// assert!((G0.at(s)[(0, 0)] - printed).norm() < 2e-5 * printed.norm());
     /// ```
     pub fn state_space(&self, outputs: &[Output]) -> Result<StateSpace, Error> {
+        let (A, B) = self.matrices();
+        StateSpace::new(A, B, output_rows(outputs), Mat::zeros(outputs.len(), 1), Time::Continuous)
+    }
+
+    /// A and B of (18), whatever the numbers are.
+    pub fn matrices(&self) -> (Mat, Mat) {
         let Lumped { k1, k2, c, b } = *self;
         #[rustfmt::skip]
         let A = Mat::from_row_slice(4, 4, &[
@@ -65,9 +71,17 @@ impl Lumped {
             0.0,  k1,  -c, 0.0,
             0.0, -k2,   c, 0.0,
         ]);
-        let B = Mat::from_column_slice(4, 1, &[0.0, 0.0, b, -b]);
-        let C = output_rows(outputs);
-        StateSpace::new(A, B, C, Mat::zeros(outputs.len(), 1), Time::Continuous)
+        (A, Mat::from_column_slice(4, 1, &[0.0, 0.0, b, -b]))
+    }
+
+    /// k1, k2, c, b.
+    pub fn to_array(self) -> [f64; 4] {
+        [self.k1, self.k2, self.c, self.b]
+    }
+
+    /// From k1, k2, c, b.
+    pub fn from_array([k1, k2, c, b]: [f64; 4]) -> Lumped {
+        Lumped { k1, k2, c, b }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use flexbeam_files as files;
 use flexbeam_files::ColumnName;
-use flexbeam_ident::physical::{LinkParameters, physical_form};
+use flexbeam_ident::physical::physical_form;
 use flexbeam_ident::structured::{LinkFit, structured_fit};
 use flexbeam_ident::{Error, Identified, Options, Order, identify};
 use flexbeam_lti::{Mat, StateSpace};
@@ -58,7 +58,7 @@ fn fit(
     identified: &Identified,
     theta: usize,
     alpha: usize,
-    start: LinkParameters,
+    start: flexbeam_rig::Lumped,
 ) -> Result<LinkFit, Error> {
     let estimating = |data: &Mat, row: usize, mean: f64| -> Vec<f64> {
         data.row(row).iter().take(identified.estimation_samples).map(|x| x - mean).collect()

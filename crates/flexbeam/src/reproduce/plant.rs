@@ -7,7 +7,7 @@ use flexbeam_files::{
     write_bytes,
 };
 use flexbeam_ident::excitation::white_gaussian;
-use flexbeam_ident::physical::{LinkParameters, physical_form};
+use flexbeam_ident::physical::physical_form;
 use flexbeam_ident::structured::{LinkFit, structured_fit};
 use flexbeam_ident::{Identified, Options, Order, identify as subspace};
 use flexbeam_lti::{Signals, StateSpace};
@@ -40,7 +40,7 @@ pub struct Plant {
     pub modes_identified: Option<StateSpace>,
     /// The design's nominal plant: the structured fit of the recording with noise.
     pub nominal: Lumped,
-    noise_free: LinkParameters,
+    noise_free: Lumped,
     noisy: LinkFit,
     nonlinear: LinkFit,
 }
@@ -54,7 +54,7 @@ pub fn identify(rig: &RigParameters, seed: u64, folder: &Path) -> Result<Plant, 
     let noisy = structured(&recording, unstructured(&noisy_model)?)?;
     let nonlinear = structured(&record(rig, NONLINEAR_RMS_V, seed)?, noise_free)?;
     let plant = Plant {
-        nominal: of_link(noisy.parameters),
+        nominal: noisy.parameters,
         modes_identified: identified(&record(&rig.linear(), RMS_V, seed)?, Order::Auto)?.continuous.ok(),
         recording,
         identified: noisy_model,
@@ -100,23 +100,19 @@ fn rows(signals: &Signals, range: std::ops::Range<usize>) -> Signals {
     }
 }
 
-fn unstructured(found: &Identified) -> Result<LinkParameters, Failure> {
+fn unstructured(found: &Identified) -> Result<Lumped, Failure> {
     let tried = "bring the model into physical coordinates";
     let continuous = found.continuous.as_ref().map_err(|e| Failure::while_trying(tried)(e.clone()))?;
     Ok(physical_form(continuous, 0, 1).map_err(Failure::while_trying(tried))?.parameters)
 }
 
-fn structured(signals: &Signals, start: LinkParameters) -> Result<LinkFit, Failure> {
+fn structured(signals: &Signals, start: Lumped) -> Result<LinkFit, Failure> {
     let row = |k: usize| signals.data.row(k).iter().copied().collect::<Vec<f64>>();
     structured_fit(&row(0), &row(1), &row(2), signals.period_s, start)
         .map_err(Failure::while_trying("fit the physical parameters"))
 }
 
-fn of_link(p: LinkParameters) -> Lumped {
-    Lumped { k1: p.k1, k2: p.k2, c: p.c, b: p.b }
-}
-
-fn exact(p: LinkParameters) -> Physical {
+fn exact(p: Lumped) -> Physical {
     Physical { k1: p.k1, k2: p.k2, c: p.c, b: p.b, ..Physical::default() }
 }
 
@@ -134,8 +130,7 @@ fn with_errors(fit: &LinkFit) -> Physical {
 impl Plant {
     /// (18) printed and recovered.
     pub fn table(&self) -> PlantTable {
-        let Lumped { k1, k2, c, b } = Lumped::PAPER;
-        let printed = LinkParameters { k1, k2, c, b };
+        let printed = Lumped::PAPER;
         let pairs = printed.to_array().into_iter().zip(self.noise_free.to_array());
         PlantTable {
             printed: exact(printed),
