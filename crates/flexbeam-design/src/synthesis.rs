@@ -1,7 +1,7 @@
 //! The design from end to end.
 
 use flexbeam_lti::minimal::minimal;
-use flexbeam_lti::{Mat, StateSpace, Time, connections, sampling};
+use flexbeam_lti::{C64, Mat, StateSpace, Time, connections, sampling};
 
 use crate::closed_loop::LoopFigures;
 use crate::feedback::Feedback;
@@ -93,7 +93,7 @@ impl From<Error> for Stop {
 }
 
 fn attempt(nominal: &StateSpace, specification: &Specification) -> Result<Design, Stop> {
-    expect_nominal(nominal)?;
+    let nominal = &strictly_proper(nominal)?;
     expect_positive("stability degree beta [1/s]", specification.stability_degree, true)?;
     expect_positive("period [s]", specification.period_s, false)?;
     let (beta, alpha) = (specification.stability_degree, &specification.uncertainty);
@@ -200,7 +200,8 @@ fn controller(feedback: &Feedback, prefilter: &Prefilter) -> Result<StateSpace, 
     Ok(StateSpace::new(A, B, C, D, f.time)?)
 }
 
-fn expect_nominal(nominal: &StateSpace) -> Result<(), Error> {
+/// The nominal plant as the theory wants it: scalar, continuous, D = 0 once rounding is taken off.
+fn strictly_proper(nominal: &StateSpace) -> Result<StateSpace, Error> {
     let (inputs, outputs) = (nominal.inputs(), nominal.outputs());
     if (inputs, outputs) != (1, 1) {
         return Err(Error::NotScalar { inputs, outputs });
@@ -208,11 +209,16 @@ fn expect_nominal(nominal: &StateSpace) -> Result<(), Error> {
     if nominal.time != Time::Continuous {
         return Err(Error::NotContinuous { time: nominal.time });
     }
-    match nominal.D[(0, 0)] {
-        0.0 => Ok(()),
-        value => Err(Error::Feedthrough { value }),
+    let value = nominal.D[(0, 0)];
+    let fastest = nominal.poles().iter().map(|p| p.norm()).fold(0.0, f64::max);
+    if value.abs() > FEEDTHROUGH * nominal.at(C64::new(0.0, fastest))[(0, 0)].norm() {
+        return Err(Error::Feedthrough { value });
     }
+    Ok(StateSpace { D: Mat::zeros(1, 1), ..nominal.clone() })
 }
+
+/// A feedthrough below this part of the gain at the fastest pole is what identification leaves of zero.
+const FEEDTHROUGH: f64 = 1e-9;
 
 fn expect_positive(name: &'static str, value: f64, or_zero: bool) -> Result<(), Error> {
     let fits = value.is_finite() && (value > 0.0 || or_zero && value == 0.0);

@@ -276,6 +276,8 @@ pub struct RigTestResult {
     pub eps_u_v: f64,
     /// Threshold of switch 1 [rad].
     pub eps_e_rad: f64,
+    /// v_res, the voltage behind the inverse law at which the hub may still stick [V]; null for another law.
+    pub residual_voltage_v: Option<f64>,
     /// Controller file that has these settings now; null when none was named.
     pub applied_to: Option<String>,
 }

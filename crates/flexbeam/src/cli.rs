@@ -175,8 +175,7 @@ pub struct Design {
     /// Which description of the model is the nominal plant
     #[arg(long, value_enum, default_value_t = Nominal::Auto)]
     pub nominal: Nominal,
-    /// Rig file that describes the distributed beam for --uncertainty beam; by default the beam with the parameters of the
-    /// model's table [physical], or else the paper's
+    /// Rig file that describes the distributed beam for --uncertainty beam; the paper's by default
     #[arg(long)]
     pub rig: Option<PathBuf>,
     /// beta [1/s]: every closed-loop pole gets a real part below -beta

@@ -1,12 +1,12 @@
 //! `flexbeam design`: model to controller and certificate, or the reason why there is none.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use flexbeam_design::{Outcome, Reference, Solvability, Specification, Uncertainty, cover, design, solvability};
 use flexbeam_files::{Controller, DesignResult, Document, Extended, Model, Settings, SolvabilityResult, json_text};
 use flexbeam_lti::{C64, Rational, StateSpace};
 use flexbeam_report::{Check, significant};
-use flexbeam_rig::{Beam, Damping, Drive, Link, Physical};
+use flexbeam_rig::{Beam, Damping, Link};
 
 use crate::Failure;
 use crate::cli;
@@ -32,14 +32,16 @@ pub fn run(arguments: &cli::Design) -> Result<(), Failure> {
         Outcome::Solved(solved) => solved,
         Outcome::Unsolvable(reason) => return answer_no(arguments, Some((&nominal, &specification)), Box::new(reason)),
     };
-    let provenance = provenance(&[&arguments.model], &arguments.out)?;
+    let parents: Vec<&Path> = [&arguments.model].into_iter().chain(&arguments.rig).map(PathBuf::as_path).collect();
+    let provenance = provenance(&parents, &arguments.out)?;
     let file = controller_file(&solved, &specification, &nominal, particulars(arguments)?, Some(provenance));
     file.write(&arguments.out, replace)?;
     if arguments.json {
         println!("{}", json_text(&DesignResult::of(&file)));
     } else {
         print!("{}", Check::table(&checks(&file)).text());
-        eprintln!("wrote {}", arguments.out.display());
+        let out = arguments.out.display();
+        eprintln!("wrote {out}\nnext: flexbeam rig test --apply-to {out} measures what the law against friction needs");
     }
     Ok(())
 }
@@ -66,7 +68,9 @@ fn asked_stiffness(arguments: &cli::Design) -> Result<flexbeam_files::Stiffness,
 
 /// No word and no number.
 #[derive(Debug, thiserror::Error)]
-#[error("found {found:?}, needed {needed}\nhint: `needed` is the default: 0.15 degree behind the residual voltage")]
+#[error(
+    "found {found:?}, needed one of {needed}\nhint: `needed` is the default: 0.15 degree behind the residual voltage"
+)]
 struct NoStiffness {
     found: String,
     needed: flexbeam_files::NoStiffness,
@@ -92,7 +96,9 @@ fn reference(arguments: &cli::Design) -> Result<Reference, Failure> {
 /// Neither a number nor `beam`.
 #[derive(Debug, thiserror::Error)]
 enum NoBound {
-    #[error("found {0:?}, needed a positive number of rad/V or `beam`")]
+    #[error(
+        "found {0:?}, needed a positive number of rad/V or `beam`\nhint: --uncertainty beam covers the distributed beam"
+    )]
     Unreadable(String),
     #[error(
         "no uncertainty is given\nhint: --uncertainty beam covers the distributed beam, --uncertainty 0.3 is a constant bound in rad/V"
@@ -106,7 +112,10 @@ fn alpha(arguments: &cli::Design, model: &Model, nominal: &StateSpace) -> Result
     match arguments.uncertainty.as_deref() {
         None if arguments.uncertainty_num.is_empty() => Err(Failure::while_trying(tried)(NoBound::Missing)),
         None => uncertainty(&arguments.uncertainty_num, &arguments.uncertainty_den),
-        Some("beam") => beam_uncertainty(&beam(arguments, model)?, nominal, arguments.stability_degree),
+        Some("beam") => {
+            tell_apart(arguments, model)?;
+            beam_uncertainty(&beam_of_rig(arguments.rig.as_deref())?, nominal, arguments.stability_degree)
+        }
         Some(text) => match text.parse() {
             Ok(value) => Uncertainty::constant(value).map_err(Failure::while_trying(tried)),
             Err(_) => Err(Failure::while_trying(tried)(NoBound::Unreadable(text.into()))),
@@ -114,18 +123,24 @@ fn alpha(arguments: &cli::Design, model: &Model, nominal: &StateSpace) -> Result
     }
 }
 
-/// The distributed beam of the rig file, of the model's physical parameters, or of the paper, in this order.
-fn beam(arguments: &cli::Design, model: &Model) -> Result<Beam, Failure> {
-    match (&arguments.rig, &model.physical) {
-        (None, Some(physical)) => {
-            let tried = "form the distributed beam";
-            let physical =
-                Physical::from_lumped(&lumped(physical), &Drive::SRV02).map_err(Failure::while_trying(tried))?;
-            Beam::new(physical, Damping::Modal { zeta: Beam::ZETA }).map_err(Failure::while_trying(tried))
-        }
-        (rig, _) => beam_of_rig(rig.as_deref()),
+/// Says so when the model's own parameters are not the rig's: the bound has to cover that, too.
+fn tell_apart(arguments: &cli::Design, model: &Model) -> Result<(), Failure> {
+    let Some(physical) = &model.physical else { return Ok(()) };
+    let rig = rig_parameters(arguments.rig.as_deref())?.physical.lumped();
+    let pairs = lumped(physical).to_array().into_iter().zip(rig.to_array());
+    let farthest = pairs.map(|(model, rig)| (model / rig - 1.0).abs()).fold(0.0, f64::max);
+    if farthest > APART {
+        let whose = if arguments.rig.is_some() { "the rig file's" } else { "the paper's (--rig FILE describes yours)" };
+        eprintln!(
+            "note: the model's parameters lie up to {:.0} % from {whose}; the bound covers the beam of the rig",
+            100.0 * farthest
+        );
     }
+    Ok(())
 }
+
+/// Parameters that differ by more are another beam's, or were fitted through friction and neglected modes.
+const APART: f64 = 0.02;
 
 /// The distributed beam of a rig file; the paper's without one.
 pub fn beam_of_rig(rig: Option<&Path>) -> Result<Beam, Failure> {

@@ -16,6 +16,8 @@ pub enum Failure {
         /// What was found and needed, with a hint.
         error: Box<dyn Error>,
     },
+    /// The rig faulted and was stopped: exit status 3.
+    Fault(Box<dyn Error>),
 }
 
 impl Failure {
@@ -24,11 +26,12 @@ impl Failure {
         |error| Failure::Input { tried: tried.into(), error: Box::new(error) }
     }
 
-    /// 1: the answer is no. 2: bad input.
+    /// 1: the answer is no. 2: bad input. 3: the rig was stopped.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Failure::No(_) => 1,
             Failure::Input { .. } => 2,
+            Failure::Fault(_) => 3,
         })
     }
 }
@@ -43,7 +46,7 @@ impl From<flexbeam_files::Error> for Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Failure::No(answer) => write!(f, "{answer}"),
+            Failure::No(answer) | Failure::Fault(answer) => write!(f, "{answer}"),
             Failure::Input { tried, error } if tried.is_empty() => write!(f, "{error}"),
             Failure::Input { tried, error } => write!(f, "cannot {tried}: {error}"),
         }

@@ -58,5 +58,17 @@ const PIXELS_PER_POINT: f64 = 2.0;
 
 /// A folder for results, made when it is not there.
 pub fn folder(path: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(path).map_err(Failure::while_trying(format!("make the folder {}", path.display())))
+    let refused = |error| NoFolder { error };
+    std::fs::create_dir_all(path)
+        .map_err(refused)
+        .map_err(Failure::while_trying(format!("make the folder {}", path.display())))
+}
+
+/// A folder that cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{error}\nhint: a file of that name may stand there, or the place may be read-only; --out names another folder"
+)]
+struct NoFolder {
+    error: std::io::Error,
 }

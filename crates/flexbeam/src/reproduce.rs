@@ -215,6 +215,7 @@ impl Findings {
                 u_p_minus_v: self.thresholds.u_p_minus_v,
                 eps_u_v: self.thresholds.eps_u_v,
                 eps_e_rad: self.thresholds.eps_e_rad,
+                residual_voltage_v: Some(self.breakaway.residual_v(&self.thresholds)),
                 applied_to: Some("controller.toml".into()),
             },
             design: DesignResult::of(&self.controller),

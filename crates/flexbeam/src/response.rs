@@ -42,11 +42,33 @@ pub fn linear_rig(rig: &RigParameters) -> RigParameters {
     RigParameters { link: Link::Lumped, ..rig.linear() }
 }
 
+/// The kernel's limits stopped the rig.
+#[derive(Debug, thiserror::Error)]
+#[error("the rig was stopped after {time_s:.3} s: {}", reason(*.fault))]
+pub struct Stopped {
+    time_s: f64,
+    fault: kernel::Fault,
+}
+
+fn reason(fault: kernel::Fault) -> &'static str {
+    match fault {
+        kernel::Fault::Deflection => "the deflection passed its limit (settings.deflection_limit_rad)",
+        kernel::Fault::Speed => "the hub turned faster than its limit (settings.theta_step_limit_rad)",
+        kernel::Fault::NonFinite => "a number of the loop was not finite",
+        kernel::Fault::Order => "the controller's memory is of another order",
+        kernel::Fault::None => "no fault",
+    }
+}
+
 impl Response {
+    /// Why the rig was stopped, if it was.
+    pub fn stopped(&self) -> Option<Stopped> {
+        self.record.first_fault().map(|(time_s, fault)| Stopped { time_s, fault })
+    }
+
     /// The answer of `simulate`.
     pub fn result(&self, law: Law, seed: u64, files: Vec<String>) -> SimulateResult {
         let m = &self.metrics;
-        let fault = self.record.first_fault();
         SimulateResult {
             step_rad: m.step_rad,
             law: law.into(),
@@ -57,7 +79,7 @@ impl Response {
             residual_vibration_rad: m.residual_vibration_rad,
             peak_voltage_v: m.peak_voltage_v,
             limit_cycle: m.limit_cycle,
-            fault: fault.map(|fault| format!("{fault:?}")),
+            fault: self.stopped().map(|stopped| stopped.to_string()),
             files,
         }
     }

@@ -116,6 +116,11 @@ fn apply(
     Ok(())
 }
 
+/// What `design --residual-voltage` asks for; the switched law has no such figure.
+fn residual_v(law: files::Law, found: &Breakaway, thresholds: &Thresholds) -> Option<f64> {
+    (law != files::Law::Switched).then(|| found.residual_v(thresholds))
+}
+
 fn answer(arguments: &cli::RigTest, law: files::Law, found: &Breakaway, thresholds: &Thresholds) {
     if arguments.json {
         let result = RigTestResult {
@@ -126,6 +131,7 @@ fn answer(arguments: &cli::RigTest, law: files::Law, found: &Breakaway, threshol
             u_p_minus_v: thresholds.u_p_minus_v,
             eps_u_v: thresholds.eps_u_v,
             eps_e_rad: thresholds.eps_e_rad,
+            residual_voltage_v: residual_v(law, found, thresholds),
             applied_to: arguments.apply_to.as_ref().map(|path| path.display().to_string()),
         };
         println!("{}", json_text(&result));
@@ -143,7 +149,7 @@ fn table(law: files::Law, found: &Breakaway, thresholds: &Thresholds) -> Table {
         files::Law::Inverse => "inverse law",
         files::Law::None => "inverse law (the controller uses none)",
     };
-    let rows: [(&str, f64, &str, &str); 6] = [
+    let mut rows = vec![
         ("breakaway forward", found.plus_v, "V", "measured"),
         ("breakaway backward", found.minus_v, "V", "measured"),
         ("u_p forward", thresholds.u_p_plus_v, "V", name),
@@ -151,6 +157,7 @@ fn table(law: files::Law, found: &Breakaway, thresholds: &Thresholds) -> Table {
         ("eps_u", thresholds.eps_u_v, "V", name),
         ("eps_e", thresholds.eps_e_rad.to_degrees(), "degree", name),
     ];
+    rows.extend(residual_v(law, found, thresholds).map(|v| ("residual voltage v_res", v, "V", name)));
     rows.into_iter().fold(
         Table::new(&[("", ""), ("value", ""), ("unit", ""), ("from", "")]),
         |table, (what, x, unit, from)| {

@@ -23,7 +23,7 @@ struct Clocks {
 
 /// A number on the command line that makes no sense.
 #[derive(Debug, thiserror::Error)]
-#[error("{name} is {found}, needed {needed}")]
+#[error("{name} is {found}, needed {needed}\nhint: `flexbeam simulate --help` lists units and defaults")]
 struct Setting {
     name: &'static str,
     found: f64,
@@ -57,7 +57,7 @@ pub fn run(arguments: &cli::Simulate) -> Result<(), Failure> {
     folder(&arguments.out)?;
     let signals = response.record.signals();
     let time_s = &response.record.time_s;
-    write_signals(&signals, Some(time_s), &arguments.out.join("response.csv"), Overwrite::Allow)?;
+    write_signals(&signals, Some(time_s), &arguments.out.join("response.csv"), Overwrite::SameKind)?;
     let title = format!("Step of {}°, {}", arguments.step_deg, law_name(law));
     let mut files = vec!["response.csv".to_string()];
     files.extend(write_figure(&arguments.out, "response", &response.figure(&title))?);
@@ -68,7 +68,7 @@ pub fn run(arguments: &cli::Simulate) -> Result<(), Failure> {
         print!("{}", table(&result).text());
         eprintln!("wrote {} in {}", result.files.join(", "), arguments.out.display());
     }
-    Ok(())
+    response.stopped().map_or(Ok(()), |stopped| Err(Failure::Fault(Box::new(stopped))))
 }
 
 fn expect(
@@ -119,7 +119,7 @@ fn table(result: &SimulateResult) -> Table {
         .row(["peak voltage".into(), number(result.peak_voltage_v, 4), "V".into()])
         .row(["limit cycle".into(), yes_no(result.limit_cycle), "".into()]);
     match &result.fault {
-        Some(fault) => table.row(["fault".into(), fault.as_str().into(), "".into()]),
+        Some(_) => table.row(["stopped by a fault".into(), "yes".into(), "".into()]),
         None => table,
     }
 }

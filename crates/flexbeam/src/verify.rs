@@ -32,7 +32,7 @@ pub fn run(arguments: &cli::Verify) -> Result<(), Failure> {
     let figures = parts.figures(&file).map_err(Failure::while_trying(tried()))?;
     let beam = parts.on_beam(&file, arguments.rig.as_deref())?;
     let runs = (arguments.runs > 0).then(|| campaign(arguments, &file, &parts.controller)).transpose()?;
-    let result = result(&figures, &beam, runs.as_ref(), arguments.seed);
+    let result = result(&figures, &beam, runs.as_ref(), arguments.seed, file.design.stability_degree);
     if arguments.json {
         println!("{}", json_text(&result));
     } else {
@@ -151,9 +151,11 @@ fn result(
     (beam, beam_figures): &(OnBeam, Vec<Verified>),
     runs: Option<&Summary>,
     seed: u64,
+    beta: f64,
 ) -> VerifyResult {
     let failures: Vec<String> = figures.iter().chain(beam_figures).filter(|f| !f.agrees).map(sentence).collect();
-    let is_continuous = |f: &&Verified| f.figure.starts_with("continuous");
+    // The one figure of the continuous loop that a sampled controller's file can prove.
+    let is_continuous = |f: &&Verified| f.figure == "robust_radius";
     let map = |of: Vec<&Verified>| -> BTreeMap<String, Figure> { of.into_iter().map(entry).collect() };
     VerifyResult {
         verified: failures.is_empty(),
@@ -161,7 +163,7 @@ fn result(
         sampled: map(figures.iter().filter(|f| !is_continuous(f)).collect()),
         distributed_beam: Some(DistributedBeam {
             stable: beam.unstable.beyond == 0,
-            stability_degree: None,
+            stability_degree: (beam.beyond_beta.beyond == 0).then_some(beta),
             covered: Some(beam.difference.value),
         }),
         monte_carlo: runs.map(|runs| monte_carlo_result(runs, seed)),
@@ -170,7 +172,7 @@ fn result(
 }
 
 fn entry(f: &Verified) -> (String, Figure) {
-    let name = f.figure.trim_start_matches("continuous.").trim_start_matches("sampled.").to_string();
+    let name = f.figure.trim_start_matches("sampled.").to_string();
     (name, Figure { claimed: Extended(f.claimed), found: Extended(f.recomputed), agrees: f.agrees })
 }
 
