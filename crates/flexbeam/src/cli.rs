@@ -273,7 +273,7 @@ pub struct Simulate {
     /// Variable-structure law; that of the controller file by default
     #[arg(long, value_enum)]
     pub law: Option<Law>,
-    /// The nominal linear plant in place of the nonlinear rig
+    /// The rig's linear lumped model: no modes, friction, dead zone, delay of sensors, quantisation or noise
     #[arg(long)]
     pub linear: bool,
     /// Seed of the sensor noise

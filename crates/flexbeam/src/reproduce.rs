@@ -99,7 +99,7 @@ pub fn run(arguments: &cli::Reproduce) -> Result<(), Failure> {
 }
 
 /// Steps that the progress bar counts.
-const STEPS: u64 = 7;
+const STEPS: u64 = 6;
 
 fn announce(bar: &ProgressBar, what: &'static str) {
     bar.set_message(what);
@@ -111,7 +111,7 @@ fn findings(arguments: &cli::Reproduce, bar: &ProgressBar) -> Result<Findings, F
     let beam = beam_of_rig(None)?;
     announce(bar, "recording and identifying");
     let plant = plant::identify(&rig, arguments.seed, &arguments.out)?; // (7)-(18)
-    announce(bar, "slow ramp: where the hub breaks away");
+    announce(bar, "slow ramp in both directions");
     let (breakaway, detection) = breakaway(&rig, &SlowRamp::default(), arguments.seed)?;
     let thresholds = breakaway.inverse_thresholds(detection.resolution_rad);
     announce(bar, "designing");
