@@ -29,5 +29,5 @@ pub use radius::{AGREEMENT, radius_by_hankel, robust_radius};
 pub use reference::{Prefilter, Reference, ReferenceModel};
 pub use solvability::{Solvability, Unsolvable, solvability};
 pub use stiffness::Stiffness;
-pub use synthesis::{Design, Outcome, Specification, design, sampled_plant};
+pub use synthesis::{Design, Outcome, Specification, design, low_pass, sampled_plant};
 pub use uncertainty::Uncertainty;

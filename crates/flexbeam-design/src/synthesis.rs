@@ -117,6 +117,11 @@ fn attempt(nominal: &StateSpace, specification: &Specification) -> Result<Design
     })
 }
 
+/// Coefficient a of y_f += a (y - y_f) for a cut-off frequency: the filter's pole at e^(-2 pi f Ts).
+pub fn low_pass(cutoff_hz: f64, period_s: f64) -> f64 {
+    -(-std::f64::consts::TAU * cutoff_hz * period_s).exp_m1()
+}
+
 /// The plant as the sampled controller meets it: zero-order hold, delay, measurement filter.
 pub fn sampled_plant(nominal: &StateSpace, specification: &Specification) -> Result<StateSpace, Error> {
     let period_s = specification.period_s;

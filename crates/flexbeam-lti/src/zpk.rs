@@ -6,7 +6,7 @@ use crate::connections::series;
 use crate::equilibration::equilibrated;
 use crate::state_space::expect_shape;
 use crate::zeros::{invariant_zeros, normal_rank};
-use crate::{C64, CMat, Error, Mat, StateSpace, Time};
+use crate::{C64, CMat, Error, Mat, Rational, StateSpace, Time};
 
 /// Two roots within this relative distance of conjugates are a pair, and one within it of the real axis is real: what a
 /// text file or an eigenvalue routine leaves of exact conjugates.
@@ -74,6 +74,24 @@ impl Zpk {
         sum(&self.zeros) - sum(&self.poles)
     }
 
+    /// The same function by its coefficients.
+    ///
+    /// Assumes: roots closed under conjugation.
+    /// Errors: those of [`Rational::new`].
+    /// Numerics: products of (s - root), one at a time; coefficients of high degree carry less than the roots did.
+    ///
+    /// ```
+    /// use flexbeam_lti::{C64, Zpk};
+    /// let pair = vec![C64::new(-1.0, 2.0), C64::new(-1.0, -2.0)];
+    /// let G = Zpk { zeros: vec![C64::new(-20.0, 0.0)], poles: pair, gain: 0.5 };
+    /// assert_eq!(G.rational().unwrap().num, [0.5, 10.0]);
+    /// assert_eq!(G.rational().unwrap().den, [1.0, 2.0, 5.0]);
+    /// ```
+    pub fn rational(&self) -> Result<Rational, Error> {
+        let num = polynomial(&self.zeros).into_iter().map(|c| c * self.gain).collect();
+        Rational::new(num, polynomial(&self.poles))
+    }
+
     /// A real state space with this function: sections of first and second order in a row.
     ///
     /// Errors: [`Error::Improper`], [`Error::NotConjugate`], [`Error::Period`].
@@ -105,6 +123,19 @@ fn value_and_cancellation(system: &StateSpace, s: C64) -> Option<(C64, f64)> {
         }
     }
     Some((G, terms / G.norm())).filter(|(_, lost)| lost.is_finite())
+}
+
+/// prod (s - root), highest power first.
+fn polynomial(roots: &[C64]) -> Vec<f64> {
+    let mut coefficients = vec![C64::ONE];
+    for root in roots {
+        coefficients.push(C64::ZERO);
+        for k in (1..coefficients.len()).rev() {
+            let above = coefficients[k - 1];
+            coefficients[k] -= above * root;
+        }
+    }
+    coefficients.into_iter().map(|c| c.re).collect()
 }
 
 /// Real roots, and one of each conjugate pair: the one above the axis.

@@ -34,14 +34,14 @@ pub fn controller_file(
     nominal: &StateSpace,
     particulars: Particulars,
     provenance: Option<Provenance>,
-) -> Controller {
+) -> Result<Controller, Failure> {
     let K = &design.controller;
     let D = K.D.columns(0, 2).into_owned();
-    let (uncertainty_num, uncertainty_den) = coefficients(specification.uncertainty.zpk());
-    let (bound_num, bound_den) = coefficients(design.sampled_uncertainty.zpk());
-    let (reference_num, reference_den) = coefficients(&design.prefilter.model.zpk);
+    let (uncertainty_num, uncertainty_den) = coefficients(specification.uncertainty.zpk())?;
+    let (bound_num, bound_den) = coefficients(design.sampled_uncertainty.zpk())?;
+    let (reference_num, reference_den) = coefficients(&design.prefilter.model.zpk)?;
     let stiffness = design.sampled.stiffness;
-    Controller {
+    Ok(Controller {
         period_s: specification.period_s,
         order: K.order(),
         A: (&K.A).into(),
@@ -78,7 +78,7 @@ pub fn controller_file(
             provenance: None,
         },
         provenance,
-    }
+    })
 }
 
 fn figures(found: &LoopFigures, robust_radius: Option<f64>) -> files::LoopFigures {
@@ -96,22 +96,9 @@ fn figures(found: &LoopFigures, robust_radius: Option<f64>) -> files::LoopFigure
 }
 
 /// Numerator and denominator, highest power first.
-fn coefficients(function: &Zpk) -> (Vec<f64>, Vec<f64>) {
-    let num = polynomial(&function.zeros).into_iter().map(|c| c * function.gain).collect();
-    (num, polynomial(&function.poles))
-}
-
-/// prod (s - r), highest power first; the roots are closed under conjugation.
-fn polynomial(roots: &[flexbeam_lti::C64]) -> Vec<f64> {
-    let mut all = vec![flexbeam_lti::C64::new(1.0, 0.0)];
-    for root in roots {
-        all.push(flexbeam_lti::C64::new(0.0, 0.0));
-        for k in (1..all.len()).rev() {
-            let above = all[k - 1];
-            all[k] -= above * root;
-        }
-    }
-    all.into_iter().map(|c| c.re).collect()
+fn coefficients(function: &Zpk) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+    let rational = function.rational().map_err(Failure::while_trying("write the controller"))?;
+    Ok((rational.num, rational.den))
 }
 
 /// The stiffness that the design is asked for.

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use flexbeam_design::{Outcome, Reference, Solvability, Specification, Uncertainty, cover, design, solvability};
+use flexbeam_design::{
+    Outcome, Reference, Solvability, Specification, Uncertainty, cover, design, low_pass, solvability,
+};
 use flexbeam_files::{Controller, DesignResult, Document, Extended, Model, Settings, SolvabilityResult, json_text};
 use flexbeam_lti::{C64, Rational, StateSpace};
 use flexbeam_report::{Check, significant};
@@ -34,7 +36,7 @@ pub fn run(arguments: &cli::Design) -> Result<(), Failure> {
     };
     let parents: Vec<&Path> = [&arguments.model].into_iter().chain(&arguments.rig).map(PathBuf::as_path).collect();
     let provenance = provenance(&parents, &arguments.out)?;
-    let file = controller_file(&solved, &specification, &nominal, particulars(arguments)?, Some(provenance));
+    let file = controller_file(&solved, &specification, &nominal, particulars(arguments)?, Some(provenance))?;
     file.write(&arguments.out, replace)?;
     if arguments.json {
         println!("{}", json_text(&DesignResult::of(&file)));
@@ -47,9 +49,7 @@ pub fn run(arguments: &cli::Design) -> Result<(), Failure> {
 }
 
 fn specification(arguments: &cli::Design, model: &Model, nominal: &StateSpace) -> Result<Specification, Failure> {
-    let low_pass = arguments
-        .low_pass_hz
-        .map_or(1.0, |cutoff_hz| 1.0 - (-std::f64::consts::TAU * cutoff_hz * arguments.period).exp());
+    let low_pass = arguments.low_pass_hz.map_or(1.0, |cutoff_hz| low_pass(cutoff_hz, arguments.period));
     Ok(Specification {
         stability_degree: arguments.stability_degree,
         uncertainty: alpha(arguments, model, nominal)?,
@@ -187,7 +187,7 @@ pub fn beam_uncertainty(beam: &Beam, nominal: &StateSpace, beta: f64) -> Result<
 fn particulars(arguments: &cli::Design) -> Result<Particulars, Failure> {
     let max_step_rad = arguments.max_step_deg.to_radians();
     let low_pass = arguments.low_pass_hz.map(|cutoff_hz| {
-        let low_pass = Some(1.0 - (-std::f64::consts::TAU * cutoff_hz * arguments.period).exp());
+        let low_pass = Some(low_pass(cutoff_hz, arguments.period));
         flexbeam_files::Channel { low_pass, ..Default::default() }
     });
     Ok(Particulars {

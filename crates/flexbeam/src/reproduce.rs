@@ -7,7 +7,7 @@ mod plant;
 
 use std::time::Instant;
 
-use flexbeam_design::{Design, Outcome, Reference, Specification, design};
+use flexbeam_design::{Design, Outcome, Reference, Specification, design, low_pass};
 use flexbeam_files as files;
 use flexbeam_files::{
     Controller, DesignResult, DistributedBeam, Document, Overwrite, ReproduceSummary, RigTestResult, json_text,
@@ -126,7 +126,7 @@ fn findings(arguments: &cli::Reproduce, bar: &ProgressBar) -> Result<Findings, F
     let particulars = particulars(&specification, &breakaway, &thresholds, v_res_v);
     let path = arguments.out.join("controller.toml");
     let provenance = provenance(&[&arguments.out.join("model.toml")], &path)?;
-    let controller = controller_file(&solved, &specification, &nominal, particulars, Some(provenance));
+    let controller = controller_file(&solved, &specification, &nominal, particulars, Some(provenance))?;
     controller.write(&path, Overwrite::SameKind)?;
     announce(bar, "verifying by other formulas");
     let parts = Parts::of(&controller)?;
@@ -160,7 +160,7 @@ fn specification(beam: &Beam, nominal: &StateSpace, period_s: f64, v_res_v: f64)
         reference: Reference::RiseTime { rise_time_s: RISE_TIME_S, overshoot_percent: 0.0 },
         period_s,
         delay_s: period_s,
-        low_pass: 1.0 - (-std::f64::consts::TAU * LOW_PASS_HZ * period_s).exp(),
+        low_pass: low_pass(LOW_PASS_HZ, period_s),
     })
 }
 
