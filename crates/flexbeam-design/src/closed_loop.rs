@@ -60,12 +60,15 @@ fn degree(poles: &[C64], time: Time) -> f64 {
 /// K at s = 0 or z = 1; infinite when K has a pole there to working precision: integral action.
 fn static_gain(K: &StateSpace) -> f64 {
     let n = K.order();
+    if n == 0 {
+        return K.D[(0, 0)];
+    }
     let dynamics = match K.time {
         Time::Continuous => -&K.A,
         Time::Sampled { .. } => Mat::identity(n, n) - &K.A,
     };
     let singular = dynamics.clone().svd(false, false).singular_values;
-    if n > 0 && !(singular.min() > INTEGRATING * singular.max()) {
+    if !(singular.min() > INTEGRATING * singular.max()) {
         return f64::INFINITY;
     }
     dynamics.lu().solve(&K.B).map_or(f64::INFINITY, |X| (&K.C * X + &K.D)[(0, 0)])

@@ -21,14 +21,20 @@ pub struct Cover {
 /// The band starts at this part of beta: below it s = jw - beta hardly moves.
 const LOWEST: f64 = 0.1;
 
-/// The band ends at this many times its start.
+/// The band ends at this many times its start, or higher.
 const BAND: f64 = 1e5;
+
+/// It ends at least this many times above the fastest dynamics that the caller names.
+const BEYOND: f64 = 3.0;
 
 /// Fitting points over the band; the check uses twice as many, between them.
 const POINTS: usize = 4000;
 
 /// alpha stands above the difference by this factor: a difference computed from an identified model moves by some percent.
 const RESERVE: f64 = 1.1;
+
+/// alpha stays above the largest ratio that was found anywhere by this much.
+const BETWEEN: f64 = 1e-6;
 
 /// alpha's zero lies beyond this many beta: it becomes a closed-loop pole at -zero - beta, which should not be a slow one.
 const ZERO_BEYOND: f64 = 10.0;
@@ -39,20 +45,21 @@ const LARGEST_RISE: f64 = 4.0;
 
 /// The smallest lead alpha(s) above `difference` [rad/V], |dG(jw - beta)| as a function of w.
 ///
-/// The band reaches from `beta` over four decades, past every mode that a rig excites: outside it alpha is flat and the
-/// difference is taken to fall.
+/// The band reaches from a tenth of `beta` over five decades, and past `fastest_rad_s`, the fastest mode that a rig excites:
+/// outside it alpha is flat and the difference is taken to fall.
 /// alpha does not roll off, so that the control sensitivity F/alpha does not grow at
 /// high frequency, where the sensors' noise is.
 ///
 /// Errors: [`Error::DifferenceNotFinite`].
 /// Numerics: peaks are refined by golden section; the fit minimises the mean of ln alpha over the band by a pattern search in
 /// (ln z, ln p), the gain following from the largest ratio.
-pub fn cover(difference: impl Fn(f64) -> f64, beta: f64) -> Result<Cover, Error> {
+pub fn cover(difference: impl Fn(f64) -> f64, beta: f64, fastest_rad_s: f64) -> Result<Cover, Error> {
     if !(beta > 0.0) {
         return Err(Error::Setting { name: "stability degree beta [1/s]", value: beta, needed: "positive" });
     }
     let grid = |count: usize, offset: f64| {
-        (0..count).map(move |k| LOWEST * beta * BAND.powf((k as f64 + offset) / count as f64)).collect::<Vec<f64>>()
+        let band = (BEYOND * fastest_rad_s / (LOWEST * beta)).max(BAND);
+        (0..count).map(move |k| LOWEST * beta * band.powf((k as f64 + offset) / count as f64)).collect::<Vec<f64>>()
     };
     let fitting = samples_with_peaks(&grid(POINTS, 0.0), &difference);
     if let Some((omega_rad_s, value)) = fitting.iter().copied().find(|(_, value)| !value.is_finite()) {
@@ -60,10 +67,15 @@ pub fn cover(difference: impl Fn(f64) -> f64, beta: f64) -> Result<Cover, Error>
     }
     let lead = pattern_search(&fitting, ZERO_BEYOND * beta);
     let ratio = |omega: f64| difference(omega) / lead.magnitude(omega);
-    let checked = samples_with_peaks(&grid(2 * POINTS, 0.25), &ratio);
-    let (closest_rad_s, largest) = checked.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("a grid has points");
-    let gain = RESERVE * largest;
-    Ok(Cover { uncertainty: lead.with_gain(gain)?, closest: largest / gain, closest_rad_s })
+    let largest = |samples: Vec<(f64, f64)>| samples.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("points");
+    let fitted = fitting.iter().map(|(omega, value)| (*omega, value / lead.magnitude(*omega))).collect();
+    let (closest_rad_s, checked) = largest(samples_with_peaks(&grid(2 * POINTS, 0.25), &ratio));
+    if !checked.is_finite() {
+        return Err(Error::DifferenceNotFinite { omega_rad_s: closest_rad_s, value: checked });
+    }
+    // What the check finds between the fitting points may take the reserve, but not more.
+    let gain = (RESERVE * largest(fitted).1).max(checked * (1.0 + BETWEEN));
+    Ok(Cover { uncertainty: lead.with_gain(gain)?, closest: checked / gain, closest_rad_s })
 }
 
 /// (s/z + 1)/(s/p + 1).

@@ -2,6 +2,7 @@
 //!
 //! Continuous: Gbar0(s) = G0(s - beta). Sampled: Gbar0(z) = G0(e^(-beta Ts) z), then z = (1 + w Ts/2)/(1 - w Ts/2).
 
+use flexbeam_lti::equilibration::equilibrated;
 use flexbeam_lti::{C64, CMat, Mat, StateSpace, Time, Zpk, sampling};
 
 use crate::Error;
@@ -86,7 +87,8 @@ impl HalfPlane {
 
     /// A pole in Re s > 0 must be reached by the input and seen by the output (Popov-Belevitch-Hautus test).
     fn expect_no_hidden_mode(&self) -> Result<(), Error> {
-        let system = &self.system;
+        // Scaled first: the coupling of a mode must not be told from the units of its states.
+        let system = &equilibrated(&self.system);
         for p in system.poles().into_iter().filter(|p| p.re > 0.0) {
             let pencil = CMat::from_diagonal_element(system.order(), system.order(), p) - system.A.map(C64::from);
             let coupling = [
@@ -112,14 +114,17 @@ impl HalfPlane {
 fn gauged(mut zpk: Zpk, system: &StateSpace) -> Zpk {
     let farthest = zpk.poles.iter().filter(|p| p.re > 0.0).map(|p| p.norm()).fold(0.0, f64::max);
     if farthest > 0.0 {
-        let s = C64::from(GAUGE * farthest);
+        let s = C64::from_polar(GAUGE * farthest, GAUGE_ANGLE);
         zpk.gain *= (system.at(s)[(0, 0)] / zpk.at(s)).re;
     }
     zpk
 }
 
-/// Off the poles and near them.
-const GAUGE: f64 = 3.0;
+/// Near the poles, and off them.
+const GAUGE: f64 = 2.7;
+
+/// Off the real axis, where zeros like to be [rad].
+const GAUGE_ANGLE: f64 = 0.7;
 
 /// Smallest singular value of [pencil, B], both brought to norm one.
 fn smallest_relative(pencil: &CMat, B: &Mat) -> f64 {

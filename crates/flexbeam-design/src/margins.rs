@@ -3,8 +3,10 @@
 //! |L(jw)| = 1 where the Hamiltonian of L at level one has an eigenvalue jw; Im L(jw) = 0 where L(s) - L(-s) has a zero jw.
 //! Each candidate is then polished on L itself.
 
+use flexbeam_lti::equilibration::equilibrated;
 use flexbeam_lti::norm::linf_norm;
 use flexbeam_lti::response::Hessenberg;
+use flexbeam_lti::schur::spectrum;
 use flexbeam_lti::zeros::transmission_zeros;
 use flexbeam_lti::{C64, Mat, StateSpace, Time, connections, sampling};
 
@@ -31,20 +33,22 @@ pub struct Margins {
 pub fn margins(G: &StateSpace, K: &StateSpace) -> Result<Margins, Error> {
     let L = connections::series(K, G)?;
     let half_plane = match L.time {
-        Time::Continuous => L.clone(),
-        Time::Sampled { .. } => sampling::to_w(&L)?,
+        Time::Continuous => equilibrated(&L),
+        Time::Sampled { .. } => equilibrated(&sampling::to_w(&L)?),
     };
     let response = Hessenberg::new(&half_plane);
     let at = |v: f64| response.at(C64::new(0.0, v))[(0, 0)];
     let mut margins = Margins { gain: f64::INFINITY, phase_rad: f64::INFINITY, delay_s: f64::INFINITY, disk: 0.0 };
-    for v in polished(unit_gain_candidates(&half_plane), |v| at(v).norm().ln()) {
+    for v in polished(unit_gain_candidates(&half_plane)?, |v| at(v).norm().ln()) {
         let phase = (-at(v)).arg().rem_euclid(std::f64::consts::TAU);
         margins.phase_rad = margins.phase_rad.min(phase);
         margins.delay_s = margins.delay_s.min(phase / omega_rad_s(v, L.time));
     }
-    for v in polished(real_candidates(&half_plane)?, |v| at(v).im / at(v).norm()) {
-        let factor = -1.0 / at(v).re;
-        if factor > 1.0 {
+    let crossings = polished(real_candidates(&half_plane)?, |v| at(v).im / at(v).norm());
+    // L is real at both ends of the axis, which no eigenvalue finds: s = 0 or z = 1, and z = -1.
+    let ends = [at(0.0).re, half_plane.D[(0, 0)]];
+    for factor in crossings.into_iter().map(|v| at(v).re).chain(ends).map(|L| -1.0 / L) {
+        if factor.is_finite() && factor > 1.0 {
             margins.gain = margins.gain.min(factor);
         }
     }
@@ -64,11 +68,11 @@ fn omega_rad_s(v: f64, time: Time) -> f64 {
 }
 
 /// Frequencies at which |L| may be one: imaginary eigenvalues of the Hamiltonian of L at level one.
-fn unit_gain_candidates(L: &StateSpace) -> Vec<f64> {
+fn unit_gain_candidates(L: &StateSpace) -> Result<Vec<f64>, Error> {
     let (n, d) = (L.order(), L.D[(0, 0)]);
     let r = 1.0 - d * d;
     if r == 0.0 {
-        return vec![];
+        return Ok(vec![]);
     }
     let F = &L.A + &L.B * &L.C * (d / r);
     let mut H = Mat::zeros(2 * n, 2 * n);
@@ -76,7 +80,8 @@ fn unit_gain_candidates(L: &StateSpace) -> Vec<f64> {
     H.view_mut((0, n), (n, n)).copy_from(&(&L.B * L.B.transpose() / r));
     H.view_mut((n, 0), (n, n)).copy_from(&(L.C.transpose() * &L.C / -r));
     H.view_mut((n, n), (n, n)).copy_from(&-F.transpose());
-    near_axis(H.complex_eigenvalues().iter().copied())
+    // Balanced: L may carry its gain in B or in C, and the two squares stand in opposite corners.
+    Ok(near_axis(spectrum(&H)?.into_iter()))
 }
 
 /// Frequencies at which L may be real: zeros of L(s) - L(-s) on the axis.

@@ -176,6 +176,8 @@ struct SampledPlant {
     damped: Vec<C64>,
     kept_zeros: Vec<C64>,
     inverted_zeros: Vec<C64>,
+    /// e^(-beta Ts).
+    line: f64,
 }
 
 impl SampledPlant {
@@ -186,7 +188,7 @@ impl SampledPlant {
         let mut damped = remove(&G.poles, &feedback.unstable_poles);
         damped.extend(&feedback.mirrored_poles);
         let (inverted_zeros, kept_zeros) = G.zeros.iter().partition(|z| z.norm() < line && z.re > 0.0);
-        Ok(SampledPlant { G, period_s, damped, kept_zeros, inverted_zeros })
+        Ok(SampledPlant { G, period_s, damped, kept_zeros, inverted_zeros, line })
     }
 
     /// M sampled: poles and zeros at e^(s Ts), the kept zeros of the plant, delays for the relative degree, M(1) = 1.
@@ -195,6 +197,8 @@ impl SampledPlant {
         let mut zeros: Vec<C64> = M.zpk.zeros.iter().map(map).collect();
         zeros.extend(&self.kept_zeros);
         let mut poles: Vec<C64> = M.zpk.poles.iter().map(map).collect();
+        // Zeros that the continuous plant has right of -beta enter as an all-pass factor, those of sampling as delays.
+        poles.extend(self.kept_zeros.iter().filter(|z| z.re > 0.0).map(|z| z.conj().inv() * self.line * self.line));
         let relative_degree = self.G.poles.len() - self.G.zeros.len();
         poles.resize(poles.len().max(zeros.len() + relative_degree), C64::new(0.0, 0.0));
         let mut sampled = Zpk { zeros, poles, gain: 1.0 };
@@ -226,7 +230,9 @@ impl SampledPlant {
         let T = self.quotient(&model, &self.damped).to_state_space(time)?;
         let order = T.order();
         let M = self.sampled_model(&model).to_state_space(time)?;
-        let system = balanced_truncation(&stack(&T, &M)?, order)?.system;
+        let both = stack(&T, &M)?;
+        // T and M share their poles: half of the states do. A multiple pole near z = 1 can defeat the Gramians; then all stay.
+        let system = balanced_truncation(&both, order).map_or(both, |reduced| reduced.system);
         Ok(Prefilter { model, system, peak_voltage_per_rad })
     }
 }

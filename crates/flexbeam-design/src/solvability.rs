@@ -5,6 +5,7 @@ use flexbeam_lti::StateSpace;
 use crate::half_plane::HalfPlane;
 use crate::radius::robust_radius;
 use crate::stiffness::conditions_with_stiffness;
+use crate::synthesis::{expect_positive, strictly_proper};
 use crate::{Error, Uncertainty};
 
 /// The answer to "is there a controller with this stability degree against this uncertainty?".
@@ -39,16 +40,16 @@ pub enum Unsolvable {
     },
     /// The stiffness does not fit into the level.
     #[error(
-        "(22) has no solution with a stiffness of {requested_v_per_rad:.4} V/rad: the smallest ||S_w|| is {level:.6}, {:.1} % too large\nhint: up to {:.3} V/rad fits below one; a smaller beta or alpha leaves room for more",
-        100.0 * (level - 1.0), floor(*.largest_v_per_rad, 1e3)
+        "(22) has no solution with a stiffness of {requested_v_per_rad:.4} V/rad: the smallest ||S_w|| is {level:.6}, {:.1} % too large\nhint: {:.3} V/rad is the nearest that fits below one; a smaller beta or alpha leaves room for more",
+        100.0 * (level - 1.0), rounded_inside(*.nearest_v_per_rad, *.requested_v_per_rad)
     )]
     Stiffness {
         /// K(0) asked for [V/rad].
         requested_v_per_rad: f64,
         /// Level that it takes.
         level: f64,
-        /// K(0) that level one permits [V/rad].
-        largest_v_per_rad: f64,
+        /// The nearest K(0) that level one permits [V/rad].
+        nearest_v_per_rad: f64,
     },
 }
 
@@ -61,13 +62,19 @@ fn floor(x: f64, per_unit: f64) -> f64 {
     (x * per_unit).floor() / per_unit
 }
 
+/// Three decimals, rounded away from what was asked for.
+fn rounded_inside(nearest: f64, requested: f64) -> f64 {
+    if nearest <= requested { floor(nearest, 1e3) } else { -floor(-nearest, 1e3) }
+}
+
 fn smaller_beta(largest_beta: &Option<f64>) -> String {
     largest_beta.map_or_else(String::new, |beta| format!(", or when beta is lowered to {:.4}", floor(beta, 1e4)))
 }
 
 /// The radius of a continuous plant, and with it whether (22) is solvable.
 pub fn solvability(plant: &StateSpace, beta: f64, alpha: &Uncertainty) -> Result<Solvability, Error> {
-    Ok(Solvability { robust_radius: robust_radius(&HalfPlane::new(plant, beta)?, alpha)? })
+    expect_positive("stability degree beta [1/s]", beta, true)?;
+    Ok(Solvability { robust_radius: robust_radius(&HalfPlane::new(&strictly_proper(plant)?, beta)?, alpha)? })
 }
 
 /// The largest beta below `beta` with radius one, by bisection; alpha stays the same function of the shifted variable.
@@ -80,7 +87,7 @@ pub(crate) fn largest_beta(plant: &StateSpace, beta: f64, alpha: &Uncertainty) -
     if !solvable(low) {
         return None;
     }
-    while high - low > 1e-6 * beta {
+    while high - low > BISECTED * beta {
         let middle = 0.5 * (low + high);
         if solvable(middle) { low = middle } else { high = middle }
     }
@@ -90,20 +97,23 @@ pub(crate) fn largest_beta(plant: &StateSpace, beta: f64, alpha: &Uncertainty) -
 /// Below this part of the beta asked for, a design would no longer be what was asked for.
 const SMALLEST_BETA: f64 = 1e-3;
 
-/// The largest stiffness that level one permits, between the softest loop's and the one asked for.
-pub(crate) fn largest_stiffness(
+/// The stiffness nearest to the one asked for that level one permits, from the softest loop's on, which fits.
+pub(crate) fn nearest_stiffness(
     plant: &HalfPlane,
     alpha: &Uncertainty,
     softest: f64,
     requested: f64,
 ) -> Result<f64, Error> {
     let fits = |compliance: f64| -> Result<bool, Error> {
-        Ok(conditions_with_stiffness(plant, alpha, 1.0 / compliance)?.optimal()?.norm <= 1.0)
+        Ok(conditions_with_stiffness(plant, alpha, 1.0 / compliance)?.optimal()?.norm < 1.0)
     };
-    let (mut stiff, mut soft) = (1.0 / requested, 1.0 / softest);
-    while soft - stiff > 1e-6 * soft {
-        let middle = 0.5 * (stiff + soft);
-        if fits(middle)? { soft = middle } else { stiff = middle }
+    let (mut out, mut inside) = (1.0 / requested, 1.0 / softest);
+    while (out - inside).abs() > BISECTED * inside.abs() {
+        let middle = 0.5 * (out + inside);
+        if fits(middle)? { inside = middle } else { out = middle }
     }
-    Ok(1.0 / soft)
+    Ok(1.0 / inside)
 }
+
+/// Bisections end here, relative: a digit more than the messages print.
+const BISECTED: f64 = 1e-7;

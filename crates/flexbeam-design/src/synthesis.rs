@@ -8,7 +8,7 @@ use crate::feedback::Feedback;
 use crate::half_plane::HalfPlane;
 use crate::radius::{conditions, robust_radius};
 use crate::reference::{Prefilter, Reference, prefilter};
-use crate::solvability::{Unsolvable, largest_beta, largest_stiffness};
+use crate::solvability::{Unsolvable, largest_beta, nearest_stiffness};
 use crate::stiffness::{Stiffness, conditions_with_stiffness, integrator, stiffness_of};
 use crate::{Error, Interpolant, Uncertainty};
 
@@ -96,12 +96,20 @@ fn attempt(nominal: &StateSpace, specification: &Specification) -> Result<Design
     let nominal = &strictly_proper(nominal)?;
     expect_positive("stability degree beta [1/s]", specification.stability_degree, true)?;
     expect_positive("period [s]", specification.period_s, false)?;
+    expect_positive("delay [s]", specification.delay_s, true)?;
+    if let Some(stiffness) = specification.stiffness.requested().filter(|stiffness| *stiffness != f64::INFINITY) {
+        expect_positive("stiffness [V/rad]", stiffness, true)?;
+    }
+    if let Reference::Fastest { max_voltage_v, max_step_rad, .. } = specification.reference {
+        expect_positive("largest voltage [V]", max_voltage_v, false)?;
+        expect_positive("largest step [rad]", max_step_rad, false)?;
+    }
     let (beta, alpha) = (specification.stability_degree, &specification.uncertainty);
     let continuous = Problem::new(nominal, beta, alpha)?;
     let plant = sampled_plant(nominal, specification)?; // DESIGN 6.6
     let alpha_w = alpha.in_w_plane(specification.period_s);
     let sampled = Problem::new(&plant, beta, &alpha_w)?;
-    // The loop that runs comes first, so that what a reason suggests holds for it.
+    // Stiffness is asked of the loop that runs first, so that what a reason suggests holds for it.
     let sampled_feedback = sampled.stabilised(specification.stiffness)?; // (22)
     let continuous_feedback = continuous.stabilised(specification.stiffness)?;
     let relative_degree = relative_degree(nominal)?;
@@ -181,8 +189,8 @@ impl Problem<'_> {
         if level < 1.0 {
             return Ok(stiff.central(integrator(plant, requested)?.0)?);
         }
-        let largest_v_per_rad = largest_stiffness(plant, alpha, softest_stiffness, requested)?;
-        Err(Unsolvable::Stiffness { requested_v_per_rad: requested, level, largest_v_per_rad }.into())
+        let nearest_v_per_rad = nearest_stiffness(plant, alpha, softest_stiffness, requested)?;
+        Err(Unsolvable::Stiffness { requested_v_per_rad: requested, level, nearest_v_per_rad }.into())
     }
 }
 
@@ -206,7 +214,7 @@ fn controller(feedback: &Feedback, prefilter: &Prefilter) -> Result<StateSpace, 
 }
 
 /// The nominal plant as the theory wants it: scalar, continuous, D = 0 once rounding is taken off.
-fn strictly_proper(nominal: &StateSpace) -> Result<StateSpace, Error> {
+pub(crate) fn strictly_proper(nominal: &StateSpace) -> Result<StateSpace, Error> {
     let (inputs, outputs) = (nominal.inputs(), nominal.outputs());
     if (inputs, outputs) != (1, 1) {
         return Err(Error::NotScalar { inputs, outputs });
@@ -216,7 +224,8 @@ fn strictly_proper(nominal: &StateSpace) -> Result<StateSpace, Error> {
     }
     let value = nominal.D[(0, 0)];
     let fastest = nominal.poles().iter().map(|p| p.norm()).fold(0.0, f64::max);
-    if value.abs() > FEEDTHROUGH * nominal.at(C64::new(0.0, fastest))[(0, 0)].norm() {
+    let gain = nominal.at(C64::new(0.0, if fastest > 0.0 { fastest } else { 1.0 }))[(0, 0)].norm();
+    if !(value.abs() <= FEEDTHROUGH * gain) {
         return Err(Error::Feedthrough { value });
     }
     Ok(StateSpace { D: Mat::zeros(1, 1), ..nominal.clone() })
@@ -225,7 +234,7 @@ fn strictly_proper(nominal: &StateSpace) -> Result<StateSpace, Error> {
 /// A feedthrough below this part of the gain at the fastest pole is what identification leaves of zero.
 const FEEDTHROUGH: f64 = 1e-9;
 
-fn expect_positive(name: &'static str, value: f64, or_zero: bool) -> Result<(), Error> {
+pub(crate) fn expect_positive(name: &'static str, value: f64, or_zero: bool) -> Result<(), Error> {
     let fits = value.is_finite() && (value > 0.0 || or_zero && value == 0.0);
     let needed = if or_zero { "not negative" } else { "positive" };
     if fits { Ok(()) } else { Err(Error::Setting { name, value, needed }) }

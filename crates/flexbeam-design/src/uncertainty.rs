@@ -35,7 +35,12 @@ impl Uncertainty {
     }
 
     /// alpha(s) = value [rad/V].
+    ///
+    /// Errors: [`Error::Setting`] unless the value is positive and finite.
     pub fn constant(value: f64) -> Result<Uncertainty, Error> {
+        if !(value > 0.0) {
+            return Err(Error::Setting { name: "uncertainty alpha", value, needed: "a positive number of rad/V" });
+        }
         Uncertainty::new(Zpk { zeros: vec![], poles: vec![], gain: value })
     }
 
@@ -53,14 +58,6 @@ impl Uncertainty {
     /// |alpha(jw)| [rad/V].
     pub fn magnitude(&self, omega_rad_s: f64) -> f64 {
         self.alpha.at(C64::new(0.0, omega_rad_s)).norm()
-    }
-
-    /// The same alpha times a positive number.
-    #[must_use]
-    pub fn scaled(&self, factor: f64) -> Uncertainty {
-        let mut scaled = self.clone();
-        scaled.alpha.gain *= factor;
-        scaled
     }
 
     /// A bound in the w-plane, from above, of |alpha(jw)| on |w| <= pi/Ts.

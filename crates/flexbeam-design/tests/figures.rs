@@ -127,8 +127,7 @@ fn integral_action_fits_into_the_level() {
         (-34.8716, 0.0),
     ];
     expect_poles(&stiff.continuous.poles, &poles, 5e-3);
-    assert!(stiff.continuous.stiffness.abs() > 1e8, "{}", stiff.continuous.stiffness);
-    assert!(stiff.sampled.stiffness.abs() > 1e6, "{}", stiff.sampled.stiffness);
+    assert_eq!((stiff.continuous.stiffness, stiff.sampled.stiffness), (f64::INFINITY, f64::INFINITY));
     assert!(stiff.sampled.bound_norm <= 1.0);
 }
 

@@ -72,7 +72,7 @@ fn bounds_outside_the_theory() {
     assert_eq!(zpk(&[], &[-2.0]).unwrap_err(), Error::WeightDegree { zeros: 0, poles: 1 });
     assert!(Uncertainty::constant(0.0).is_err() && Uncertainty::constant(f64::NAN).is_err());
     let spike = |w: f64| if w > 10.0 { f64::INFINITY } else { 0.1 };
-    assert!(matches!(cover(spike, 1.0).unwrap_err(), Error::DifferenceNotFinite { .. }));
+    assert!(matches!(cover(spike, 1.0, 100.0).unwrap_err(), Error::DifferenceNotFinite { .. }));
 }
 
 #[test]
@@ -94,6 +94,20 @@ fn a_plant_without_integrator_has_no_stiffness_to_choose() {
     assert!(matches!(design(&lag, &asked).unwrap_err(), Error::NoIntegrator { requested: 7.0, .. }));
 }
 
+/// One state, and a loop whose gain is largest where no crossing is: at s = 0.
+#[test]
+fn the_smallest_loops_have_figures() {
+    let integrator = system(&[0.0], &[1.0], &[1.0], 0.0);
+    let asked = Specification { uncertainty: Uncertainty::constant(0.05).unwrap(), ..specification(1.0) };
+    let flexbeam_design::Outcome::Solved(found) = design(&integrator, &asked).unwrap() else { panic!() };
+    assert!((found.continuous.stiffness - 2.0).abs() < 1e-12, "K = 2 beta moves the pole from 0 to -2 beta");
+    let lag = system(&[-1.0], &[-0.5], &[1.0], 0.0);
+    let one = StateSpace::static_gain(Mat::from_element(1, 1, 1.0), Time::Continuous).unwrap();
+    assert!((flexbeam_design::margins(&lag, &one).unwrap().gain - 2.0).abs() < 1e-12);
+    let leaky = system(&[0.0], &[1.0], &[1.0], 5.0);
+    assert_eq!(design(&leaky, &asked).unwrap_err(), Error::Feedthrough { value: 5.0 });
+}
+
 #[test]
 fn every_message_has_one_hint() {
     let errors = [
@@ -110,7 +124,7 @@ fn every_message_has_one_hint() {
 #[test]
 fn a_cover_lies_above_what_it_covers() {
     let resonance = |w: f64| 0.05 / ((1.0 - (w / 130.0).powi(2)).hypot(0.02 * w / 130.0)) * 0.02;
-    let found = cover(resonance, 1.5).unwrap();
+    let found = cover(resonance, 1.5, 130.0).unwrap();
     assert!(found.closest < 1.0 && found.closest > 0.8, "{}", found.closest);
     for k in 0..20_000 {
         let omega = 0.1 * 1.0004f64.powi(k);

@@ -3,6 +3,7 @@
 //! Enters: the kernel's controller, inputs (v, y, u_applied), outputs (u, y_model). Leaves: K, its poles, K(0).
 
 use crate::{Error, Sampled, Timing, response::Response};
+use flexbeam_lti::zeros::transmission_zeros;
 use flexbeam_lti::{C64, Mat, StateSpace, Time};
 
 /// A controller closed over u_applied = u.
@@ -17,6 +18,8 @@ pub struct Feedback {
     /// Poles of what y and u_applied do reach, with u_applied cut: what remains of the loop while the voltage is limited.
     pub saturated_poles: Vec<C64>,
     period_s: f64,
+    /// First step of the extrapolation of 1/K to z = 1.
+    first_step: f64,
 }
 
 impl Feedback {
@@ -59,6 +62,7 @@ impl Feedback {
             M,
             prefilter_poles: poles_of(controller.A.select_rows(&beyond).select_columns(&beyond))?,
             saturated_poles: poles_of(saturated)?,
+            first_step: first_step(&K, period_s)?,
             period_s,
         })
     }
@@ -88,18 +92,26 @@ impl Feedback {
     ///
     /// Numerics: the limit at z = 1 of 1/K by extrapolation; unlike C (I - A)^-1 B + D it does not ask for a regular I - A.
     pub fn compliance_rad_per_v(&self) -> f64 {
-        limit_at_one(self.period_s, |z| self.at(z).0.inv().re)
+        limit_at_one(self.first_step, |z| self.at(z).0.inv().re)
     }
 
     /// y_model/v at rest.
     pub fn model_gain(&self) -> f64 {
-        limit_at_one(self.period_s, |z| self.from_reference(z).1.re)
+        limit_at_one(FIRST_STEP_PER_S * self.period_s, |z| self.from_reference(z).1.re)
     }
 }
 
 /// First step of the extrapolation [1/s]: below the slowest dynamics of a controller for a beam, above what rounding swallows
 /// (poles of a controller at 1 kHz are known to some 1e-12/s).
 const FIRST_STEP_PER_S: f64 = 0.05;
+/// 1/K is smooth up to the nearest zero of K: the step stays well inside.
+fn first_step(K: &StateSpace, period_s: f64) -> Result<f64, Error> {
+    let distances = transmission_zeros(K)?.into_iter().map(|z| (z - 1.0).norm());
+    Ok(distances.fold(FIRST_STEP_PER_S * period_s, |step, distance| step.min(INSIDE * distance)))
+}
+
+/// Part of the distance to the nearest zero.
+const INSIDE: f64 = 0.2;
 /// Halvings of the step: six reach 1e-3/s and an error of order h^12.
 const LEVELS: i32 = 6;
 
@@ -120,9 +132,9 @@ fn from_reference(controller: &StateSpace) -> Result<[Response; 2], Error> {
 /// lim f(z), z -> 1, for an f that is smooth there but cannot be evaluated at 1.
 ///
 /// Numerics: Richardson extrapolation of (f(1 + h) + f(1 - h))/2, even in h; the entry that changes least is taken.
-fn limit_at_one(period_s: f64, f: impl Fn(C64) -> f64) -> f64 {
+fn limit_at_one(first_step: f64, f: impl Fn(C64) -> f64) -> f64 {
     let mean = |h: f64| 0.5 * (f(C64::from(1.0 + h)) + f(C64::from(1.0 - h)));
-    let mut table: Vec<f64> = (0..LEVELS).map(|k| mean(FIRST_STEP_PER_S * period_s * 0.5_f64.powi(k))).collect();
+    let mut table: Vec<f64> = (0..LEVELS).map(|k| mean(first_step * 0.5_f64.powi(k))).collect();
     let (mut best, mut change) = (table[table.len() - 1], f64::INFINITY);
     for order in 1..table.len() {
         let gain = 4.0_f64.powi(order as i32) - 1.0;

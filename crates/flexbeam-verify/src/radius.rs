@@ -70,11 +70,11 @@ fn points_right_of(nominal: &StateSpace, beta: f64) -> Result<Vec<C64>, Error> {
     Ok(points)
 }
 
-/// Distance of p to the nearest of the poles but itself.
+/// Distance of p to the nearest of the poles but itself; a lone pole has all the room that there is.
 fn distance(poles: impl Iterator<Item = C64>, p: C64) -> f64 {
     let mut distances: Vec<f64> = poles.map(|q| (q - p).norm()).collect();
     distances.sort_by(f64::total_cmp);
-    distances.get(1).copied().unwrap_or(p.norm())
+    distances.get(1).copied().unwrap_or(if p.norm() > 0.0 { p.norm() } else { 1.0 })
 }
 
 /// Points of the trapezoidal rule on a circle of half the distance to the next pole: the error is 2^-64.

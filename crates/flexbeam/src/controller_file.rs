@@ -71,7 +71,7 @@ pub fn controller_file(
         certificate: Certificate {
             controller_order: K.order(),
             v_res_v: Some(particulars.v_res_v),
-            stationary_error_rad: Some(particulars.v_res_v / stiffness.abs()),
+            stationary_error_rad: Some(particulars.v_res_v / stiffness.abs()).filter(|error| error.is_finite()),
             prefilter_degree: None,
             continuous: figures(&design.continuous, design.robust_radius),
             sampled: figures(&design.sampled, design.sampled_radius),

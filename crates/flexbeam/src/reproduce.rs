@@ -14,7 +14,6 @@ use flexbeam_files::{
     write_bytes,
 };
 use flexbeam_ident::breakaway::{Breakaway, Thresholds};
-use flexbeam_ident::excitation::SlowRamp;
 use flexbeam_lti::StateSpace;
 use flexbeam_rig::{Beam, RigParameters};
 use flexbeam_verify::{OnBeam, Verified};
@@ -26,7 +25,7 @@ use crate::controller_file::{Particulars, controller_file, stiffness};
 use crate::design::{beam_of_rig, beam_uncertainty};
 use crate::nominal::lumped_psi;
 use crate::output::{folder, progress, provenance, write_figure};
-use crate::rig_test::breakaway;
+use crate::rig_test::{RAMP, breakaway};
 use crate::verify::Parts;
 
 /// beta of the design [1/s]: below the damping of the third mode, 2.018.
@@ -41,7 +40,7 @@ const LOW_PASS_HZ: f64 = 150.0;
 /// Time over which a step of the reference is smoothed [s].
 const SMOOTH_STEP_S: f64 = 0.2;
 
-/// The largest step that the voltage is reckoned for [rad].
+/// The largest step that the voltage is reckoned for [degree].
 const LARGEST_STEP_DEG: f64 = 45.0;
 
 /// The amplifier's limit [V].
@@ -112,7 +111,7 @@ fn findings(arguments: &cli::Reproduce, bar: &ProgressBar) -> Result<Findings, F
     announce(bar, "recording and identifying");
     let plant = plant::identify(&rig, arguments.seed, &arguments.out)?; // (7)-(18)
     announce(bar, "slow ramp in both directions");
-    let (breakaway, detection) = breakaway(&rig, &SlowRamp::default(), arguments.seed)?;
+    let (breakaway, detection) = breakaway(&rig, &RAMP, arguments.seed)?;
     let thresholds = breakaway.inverse_thresholds(detection.resolution_rad);
     announce(bar, "designing");
     let nominal = lumped_psi(&plant.nominal)?;

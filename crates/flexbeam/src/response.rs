@@ -1,5 +1,7 @@
 //! One step on the simulated rig: the record, its figures, its metrics.
 
+use std::path::Path;
+
 use flexbeam_files::SimulateResult;
 use flexbeam_kernel as kernel;
 use flexbeam_report::{Figure, Panel, Series};
@@ -7,6 +9,7 @@ use flexbeam_rig::{ClosedLoopRecord, Link, RigParameters, SimulatedRig, StepMetr
 
 use crate::Failure;
 use crate::cli::Law;
+use crate::rig_file::rig_parameters;
 
 /// A step response with its figures.
 pub struct Response {
@@ -36,6 +39,34 @@ pub fn step_response(
     let metrics = StepMetrics::of(&record).map_err(Failure::while_trying(tried))?;
     Ok(Response { record, metrics })
 }
+
+/// A rig and a controller with different clocks.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "the rig samples at {rig_s} s and the controller was designed for {controller_s} s\nhint: set period_s = {controller_s} in the rig file"
+)]
+struct Clocks {
+    rig_s: f64,
+    controller_s: f64,
+}
+
+/// The rig of a file, or the paper's, for a controller with this period.
+///
+/// Errors: those of [`rig_parameters`]; a rig file with a period of its own.
+pub fn rig_at(file: Option<&Path>, period_s: f64) -> Result<RigParameters, Failure> {
+    let mut rig = rig_parameters(file)?;
+    if file.is_none() {
+        rig.period_s = period_s;
+    }
+    if (rig.period_s / period_s - 1.0).abs() > SAME_PERIOD {
+        let clocks = Clocks { rig_s: rig.period_s, controller_s: period_s };
+        return Err(Failure::while_trying("run the controller on the rig")(clocks));
+    }
+    Ok(rig)
+}
+
+/// Periods count as equal within this, relative: rounding of a text file.
+const SAME_PERIOD: f64 = 1e-9;
 
 /// The rig without all that is not linear, on the lumped beam: what the design had before its eyes.
 pub fn linear_rig(rig: &RigParameters) -> RigParameters {

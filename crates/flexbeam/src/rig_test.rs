@@ -10,6 +10,7 @@ use flexbeam_report::{Cell, Table};
 use flexbeam_rig::{RigParameters, SimulatedRig, open_loop};
 
 use crate::identify::Hinted;
+use crate::record::MOST_SAMPLES;
 use crate::rig_file::rig_parameters;
 use crate::{Failure, cli};
 
@@ -63,6 +64,11 @@ pub(crate) fn breakaway(
     ];
     if let Some(&(setting, found, hint)) = positive.iter().find(|(_, x, _)| !(*x > 0.0 && x.is_finite())) {
         return Err(Failure::while_trying(tried)(NoRamp { setting, found, hint }));
+    }
+    let samples = (3.0 * ramp.rest_s + 2.0 * ramp.peak_v / ramp.rate_v_s) / parameters.period_s;
+    if !(samples <= MOST_SAMPLES) {
+        let hint = "ramp and rests must fit into 10^8 periods: a steeper --slope, a shorter --rest";
+        return Err(Failure::while_trying(tried)(NoRamp { setting: "a test of samples", found: samples, hint }));
     }
     let mut rig = SimulatedRig::new(parameters, seed).map_err(Failure::while_trying(tried))?;
     let voltage_v = ramp.voltage(parameters.period_s);

@@ -8,18 +8,8 @@ use crate::Failure;
 use crate::cli::{self, Law};
 use crate::controller_file::kernel_settings;
 use crate::output::{folder, write_figure};
-use crate::response::{linear_rig, step_response};
-use crate::rig_file::rig_parameters;
-
-/// A rig and a controller with different clocks.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "the rig samples at {rig_s} s and the controller was designed for {controller_s} s\nhint: set period_s = {controller_s} in the rig file"
-)]
-struct Clocks {
-    rig_s: f64,
-    controller_s: f64,
-}
+use crate::record::MOST_SAMPLES;
+use crate::response::{linear_rig, rig_at, step_response};
 
 /// A number on the command line that makes no sense.
 #[derive(Debug, thiserror::Error)]
@@ -34,15 +24,10 @@ struct Setting {
 pub fn run(arguments: &cli::Simulate) -> Result<(), Failure> {
     let file = Controller::read(&arguments.controller)?;
     let tried = || format!("simulate {}", arguments.controller.display());
-    let mut rig = rig_parameters(arguments.rig.as_deref())?;
-    if arguments.rig.is_none() {
-        rig.period_s = file.period_s;
-    }
-    if (rig.period_s / file.period_s - 1.0).abs() > 1e-9 {
-        let clocks = Clocks { rig_s: rig.period_s, controller_s: file.period_s };
-        return Err(Failure::while_trying(tried())(clocks));
-    }
-    expect(tried, "--duration [s]", arguments.duration, arguments.duration > 0.0, "a positive number")?;
+    let mut rig = rig_at(arguments.rig.as_deref(), file.period_s)?;
+    let samples = arguments.duration / file.period_s;
+    let fits = samples > 0.0 && samples <= MOST_SAMPLES;
+    expect(tried, "--duration [s]", arguments.duration, fits, "a positive number, at most 10^8 periods")?;
     expect(tried, "--step-deg", arguments.step_deg, arguments.step_deg != 0.0, "a number that is not 0")?;
     if arguments.linear {
         rig = linear_rig(&rig);

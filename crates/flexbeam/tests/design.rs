@@ -50,7 +50,7 @@ fn a_stiffness_beyond_the_level_names_the_one_that_fits() {
     let bench = bench();
     let answer = bench.run("design model.toml --stability-degree 1.5 --uncertainty 0.36 --stiffness integral");
     assert_eq!(answer.status, 1);
-    let fits: f64 = answer.err.split("up to ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let fits: f64 = answer.err.split("hint: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     bench.done(&format!("design model.toml --stability-degree 1.5 --uncertainty 0.36 --stiffness {}", 0.999 * fits));
     let answer =
         bench.run(&format!("design model.toml --stability-degree 1.5 --uncertainty 0.36 --stiffness {}", 1.01 * fits));

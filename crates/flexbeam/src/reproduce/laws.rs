@@ -43,7 +43,9 @@ pub fn run(rig: &RigParameters, file: &Controller, switched: &Thresholds, seed: 
         kernel::Controller::new(file.order, &coefficients).map_err(Failure::while_trying("run the controller"))?;
     let step = |rig: &RigParameters, law: Law, sign: f64, seed: u64| {
         let settings = settings(file, law, switched);
-        step_response(rig, &settings, &controller, sign * STEP_DEG.to_radians(), DURATION_S, seed)
+        let step_rad = sign * STEP_DEG.to_radians();
+        let response = step_response(rig, &settings, &controller, step_rad, DURATION_S, seed)?;
+        response.stopped().map_or(Ok(response), |stopped| Err(Failure::Fault(Box::new(stopped))))
     };
     let mut laws =
         Laws { records: vec![], ideal: step(&linear_rig(rig), Law::None, 1.0, seed)?.record, metrics: vec![] };
