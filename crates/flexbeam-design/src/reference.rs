@@ -180,10 +180,18 @@ struct SampledPlant {
     line: f64,
 }
 
+/// A zero this close to z = 1 is one at s = 0: eigenvalues near 1 are good to some 1e-15, and the slowest zero of any use lies
+/// a hundred times farther away.
+const AT_REST: f64 = 1e-11;
+
 impl SampledPlant {
     fn new(plant: &StateSpace, feedback: &Feedback, beta: f64) -> Result<SampledPlant, Error> {
         let Time::Sampled { period_s } = plant.time else { return Err(Error::NotContinuous { time: plant.time }) };
         let G = Zpk::from_state_space(plant)?;
+        if G.zeros.iter().any(|z| (z - 1.0).norm() < AT_REST) {
+            let needed = "not 0: a constant voltage must move the output, or no reference can be followed";
+            return Err(Error::Setting { name: "static gain of the plant", value: 0.0, needed });
+        }
         let line = (-beta * period_s).exp();
         let mut damped = remove(&G.poles, &feedback.unstable_poles);
         damped.extend(&feedback.mirrored_poles);
