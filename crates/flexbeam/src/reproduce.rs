@@ -5,6 +5,7 @@ mod laws;
 mod page;
 mod plant;
 
+use std::path::Path;
 use std::time::Instant;
 
 use flexbeam_design::{Design, Outcome, Reference, Specification, design, low_pass};
@@ -71,6 +72,7 @@ struct Broken(String);
 /// Runs the command.
 pub fn run(arguments: &cli::Reproduce) -> Result<(), Failure> {
     let start = Instant::now();
+    expect_free(&arguments.out)?;
     folder(&arguments.out)?;
     let bar = progress(STEPS, "");
     let findings = findings(arguments, &bar)?;
@@ -96,6 +98,24 @@ pub fn run(arguments: &cli::Reproduce) -> Result<(), Failure> {
         Some(what) => Err(Failure::No(Box::new(Broken(what)))),
     }
 }
+
+/// Files that somebody else made.
+#[derive(Debug, thiserror::Error)]
+#[error("found {0} there, which no reproduce has made\nhint: --out names another folder")]
+struct Occupied(&'static str);
+
+/// What an earlier run left may be replaced; a file of the same name in a folder without our summary may not.
+fn expect_free(folder: &Path) -> Result<(), Failure> {
+    let ours = std::fs::read_to_string(folder.join("summary.json")).is_ok_and(|text| text.starts_with(SUMMARY_START));
+    let found = ["summary.json", "report.html", "recording.csv"].into_iter().find(|name| folder.join(name).exists());
+    match found {
+        Some(name) if !ours => Err(Failure::while_trying(format!("write to {}", folder.display()))(Occupied(name))),
+        _ => Ok(()),
+    }
+}
+
+/// How a summary begins: by its first key.
+const SUMMARY_START: &str = "{\"seed\":";
 
 /// Steps that the progress bar counts.
 const STEPS: u64 = 6;

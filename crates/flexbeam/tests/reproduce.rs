@@ -57,6 +57,19 @@ fn the_paper_from_end_to_end() {
 }
 
 #[test]
+fn files_of_others_stay_and_its_own_are_replaced() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("mine")).unwrap();
+    bench.write("mine/recording.csv", "precious\n");
+    let answer = bench.run("reproduce --out mine");
+    assert_eq!(answer.status, 2, "{}", answer.err);
+    assert!(answer.err.contains("recording.csv") && answer.err.contains("hint: "), "{}", answer.err);
+    assert_eq!(bench.read("mine/recording.csv"), "precious\n");
+    bench.done("reproduce --out ours");
+    bench.done("reproduce --out ours --seed 2");
+}
+
+#[test]
 fn one_seed_one_answer() {
     let (first, second) = (Bench::new(), Bench::new());
     let of = |bench: &Bench, seed: u64| {
