@@ -141,6 +141,25 @@ fn stiffness_is_what_was_asked_for() {
     }
 }
 
+/// The overshoot asked for is that of the whole M, its fast poles included.
+#[test]
+fn overshoot_and_rise_time_are_what_was_asked_for() {
+    for (overshoot_percent, rise_time_s) in [(0.0, 0.3), (4.0, 0.3), (20.0, 0.2), (60.0, 0.1)] {
+        let alpha = Uncertainty::constant(0.2).unwrap();
+        let reference = Reference::RiseTime { rise_time_s, overshoot_percent };
+        let asked = Specification { reference, ..specification(1.5, alpha, Stiffness::Optimal) };
+        let Outcome::Solved(found) = design(&paper_plant(), &asked).unwrap() else { panic!() };
+        let M = found.prefilter.model.zpk.to_state_space(Time::Continuous).unwrap();
+        let sampled = flexbeam_lti::sampling::zoh(&M, 1e-4).unwrap();
+        let ones = Mat::from_element(1, 40_000, 1.0);
+        let y = flexbeam_lti::simulation::simulate(&sampled, &ones, &flexbeam_lti::Vector::zeros(M.order())).unwrap();
+        let overshoot = 100.0 * (y.max() - 1.0);
+        assert!((overshoot - overshoot_percent).abs() < 0.01, "{overshoot_percent} % asked, {overshoot} found");
+        let at = |level: f64| y.iter().position(|y| *y >= level).unwrap() as f64 * 1e-4;
+        assert!((at(0.9) - at(0.1) - rise_time_s).abs() < 2e-4, "{rise_time_s} s asked");
+    }
+}
+
 /// R D + S N = 1 leaves y = N T v: the response to a command is that of M, whatever the feedback.
 #[test]
 fn the_loop_follows_the_reference_model() {
