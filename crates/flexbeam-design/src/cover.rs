@@ -7,17 +7,6 @@ use flexbeam_lti::{C64, Zpk};
 
 use crate::{Error, Uncertainty};
 
-/// An alpha that covers a difference.
-#[derive(Clone, Debug)]
-pub struct Cover {
-    /// alpha(s).
-    pub uncertainty: Uncertainty,
-    /// Largest ratio of the difference to alpha that the check between the fitting points found; below one.
-    pub closest: f64,
-    /// Where it was found [rad/s].
-    pub closest_rad_s: f64,
-}
-
 /// The band starts at this part of beta: below it s = jw - beta hardly moves.
 const LOWEST: f64 = 0.1;
 
@@ -53,7 +42,7 @@ const LARGEST_RISE: f64 = 4.0;
 /// Errors: [`Error::DifferenceNotFinite`].
 /// Numerics: peaks are refined by golden section; the fit minimises the mean of ln alpha over the band by a pattern search in
 /// (ln z, ln p), the gain following from the largest ratio.
-pub fn cover(difference: impl Fn(f64) -> f64, beta: f64, fastest_rad_s: f64) -> Result<Cover, Error> {
+pub fn cover(difference: impl Fn(f64) -> f64, beta: f64, fastest_rad_s: f64) -> Result<Uncertainty, Error> {
     if !(beta > 0.0) {
         return Err(Error::Setting { name: "stability degree beta [1/s]", value: beta, needed: "positive" });
     }
@@ -75,7 +64,7 @@ pub fn cover(difference: impl Fn(f64) -> f64, beta: f64, fastest_rad_s: f64) -> 
     }
     // What the check finds between the fitting points may take the reserve, but not more.
     let gain = (RESERVE * largest(fitted).1).max(checked * (1.0 + BETWEEN));
-    Ok(Cover { uncertainty: lead.with_gain(gain)?, closest: checked / gain, closest_rad_s })
+    lead.with_gain(gain)
 }
 
 /// (s/z + 1)/(s/p + 1).

@@ -84,6 +84,16 @@ pub enum Error {
         /// The pivot or pole that failed.
         pivot: f64,
     },
+    /// The interpolant does not meet its conditions.
+    #[error(
+        "the interpolant misses its conditions by {residual:.1e}, needed {tolerance:.0e}: some poles right of -beta nearly coincide, or the level is all but spent\nhint: a smaller beta, alpha or stiffness"
+    )]
+    Interpolation {
+        /// Largest relative error in a condition.
+        residual: f64,
+        /// The relative tolerance.
+        tolerance: f64,
+    },
     /// The two roads to the radius disagree.
     #[error(
         "robust radius is {hankel:.12} by Hankel singular values and {pick:.12} by Nevanlinna-Pick; they must agree within {tolerance:.0e}: the plant is too badly conditioned\nhint: check the model's units, and that no two poles right of -beta nearly coincide"

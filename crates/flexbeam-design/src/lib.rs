@@ -19,7 +19,7 @@ mod synthesis;
 mod uncertainty;
 
 pub use closed_loop::LoopFigures;
-pub use cover::{Cover, cover};
+pub use cover::cover;
 pub use error::Error;
 pub use feedback::Feedback;
 pub use half_plane::HalfPlane;

@@ -148,6 +148,9 @@ pub fn sampled_plant(nominal: &StateSpace, specification: &Specification) -> Res
     Ok(minimal(&connections::series(&plant, &filter)?))
 }
 
+/// The interpolant may miss its conditions by this much, relative: the plant's unstable poles are cancelled as well as that.
+const INTERPOLATED: f64 = 1e-6;
+
 /// (22) for one plant, continuous or sampled, with a radius of at least one.
 struct Problem<'a> {
     plant: HalfPlane,
@@ -172,7 +175,11 @@ impl Problem<'_> {
     }
 
     fn stabilised(&self, stiffness: Stiffness) -> Result<Feedback, Stop> {
-        Ok(Feedback::new(&self.plant, self.alpha, &self.interpolant(stiffness)?)?)
+        let interpolant = self.interpolant(stiffness)?;
+        if !(interpolant.residual <= INTERPOLATED) {
+            return Err(Error::Interpolation { residual: interpolant.residual, tolerance: INTERPOLATED }.into());
+        }
+        Ok(Feedback::new(&self.plant, self.alpha, &interpolant)?)
     }
 
     /// The interpolant of smallest norm where that is stiff enough, else the central one with the stiffness asked for.

@@ -125,10 +125,9 @@ fn every_message_has_one_hint() {
 fn a_cover_lies_above_what_it_covers() {
     let resonance = |w: f64| 0.05 / ((1.0 - (w / 130.0).powi(2)).hypot(0.02 * w / 130.0)) * 0.02;
     let found = cover(resonance, 1.5, 130.0).unwrap();
-    assert!(found.closest < 1.0 && found.closest > 0.8, "{}", found.closest);
     for k in 0..20_000 {
         let omega = 0.1 * 1.0004f64.powi(k);
-        assert!(resonance(omega) < found.uncertainty.magnitude(omega), "at {omega}");
+        assert!(resonance(omega) < found.magnitude(omega), "at {omega}");
     }
 }
 

@@ -7,7 +7,7 @@ use flexbeam_kernel as kernel;
 use flexbeam_lti::{Mat, Rational, StateSpace, Time, Zpk};
 
 use crate::Failure;
-use crate::cli::Law;
+use crate::law::kernel_law;
 
 /// What the file says beside the design's own figures.
 pub struct Particulars {
@@ -131,7 +131,7 @@ pub fn controller_system(file: &Controller) -> Result<StateSpace, Failure> {
 }
 
 /// The live settings: the file's, and the kernel's defaults where it says nothing. `law` overrides the file's.
-pub fn kernel_settings(file: &files::Settings, law: Option<Law>) -> kernel::Settings {
+pub fn kernel_settings(file: &files::Settings, law: Option<files::Law>) -> kernel::Settings {
     let default = kernel::Settings::default();
     let or = |value: Option<f64>, default: f64| value.unwrap_or(default);
     let channel = |channel: &Option<files::Channel>, default: kernel::Channel| {
@@ -146,7 +146,7 @@ pub fn kernel_settings(file: &files::Settings, law: Option<Law>) -> kernel::Sett
         alpha: channel(&file.alpha, default.alpha),
         smooth_ticks: or(file.smooth_ticks, default.smooth_ticks),
         smooth_step_rad: or(file.smooth_step_rad, default.smooth_step_rad),
-        law: law.map(kernel_law).or(file.law.map(of_file)).unwrap_or(default.law),
+        law: law.or(file.law).map_or(default.law, kernel_law),
         u_p_plus_v: or(file.u_p_plus_v, default.u_p_plus_v),
         u_p_minus_v: or(file.u_p_minus_v, default.u_p_minus_v),
         eps_u_v: or(file.eps_u_v, default.eps_u_v),
@@ -158,21 +158,5 @@ pub fn kernel_settings(file: &files::Settings, law: Option<Law>) -> kernel::Sett
         voltage_limit_v: or(file.voltage_limit_v, default.voltage_limit_v),
         deflection_limit_rad: or(file.deflection_limit_rad, default.deflection_limit_rad),
         theta_step_limit_rad: or(file.theta_step_limit_rad, default.theta_step_limit_rad),
-    }
-}
-
-fn kernel_law(law: Law) -> kernel::Law {
-    match law {
-        Law::None => kernel::Law::None,
-        Law::Switched => kernel::Law::Switched,
-        Law::Inverse => kernel::Law::Inverse,
-    }
-}
-
-fn of_file(law: files::Law) -> kernel::Law {
-    match law {
-        files::Law::None => kernel::Law::None,
-        files::Law::Switched => kernel::Law::Switched,
-        files::Law::Inverse => kernel::Law::Inverse,
     }
 }

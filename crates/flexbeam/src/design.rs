@@ -210,9 +210,8 @@ pub fn beam_uncertainty(beam: &Beam, nominal: &StateSpace, beta: f64) -> Result<
         let s = C64::new(-beta, omega);
         (beam.at(s).psi() - nominal.at(s)[(0, 0)]).norm()
     };
-    let cover = cover(difference, beta, modes.last().map_or(0.0, |mode| mode.im))
-        .map_err(Failure::while_trying("cover the distributed beam"))?;
-    Ok(cover.uncertainty)
+    cover(difference, beta, modes.last().map_or(0.0, |mode| mode.im))
+        .map_err(Failure::while_trying("cover the distributed beam"))
 }
 
 fn particulars(arguments: &cli::Design) -> Result<Particulars, Failure> {

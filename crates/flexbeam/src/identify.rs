@@ -5,7 +5,7 @@
 
 mod hinted;
 mod link;
-mod pictures;
+pub(crate) mod pictures;
 mod table;
 
 use std::collections::BTreeMap;

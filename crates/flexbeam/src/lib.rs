@@ -8,6 +8,7 @@ mod controller_file;
 mod design;
 mod failure;
 mod identify;
+mod law;
 mod nominal;
 mod output;
 mod poles;

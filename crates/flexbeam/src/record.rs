@@ -8,9 +8,10 @@ use flexbeam_files::{
 use flexbeam_ident::excitation::white_gaussian;
 use flexbeam_lti::Signals;
 use flexbeam_report::significant;
-use flexbeam_rig::{Link, RigParameters, SimulatedRig, open_loop};
+use flexbeam_rig::{RigParameters, SimulatedRig, open_loop};
 
 use crate::output::{overwrite, provenance, waiting};
+use crate::response::linear_rig;
 use crate::rig_file::rig_parameters;
 use crate::{Failure, cli};
 
@@ -35,7 +36,7 @@ pub fn run(arguments: &cli::Record) -> Result<(), Failure> {
     let mut parameters = rig_parameters(arguments.rig.as_deref())?;
     parameters.period_s = arguments.period.unwrap_or(parameters.period_s);
     if arguments.linear {
-        parameters = RigParameters { link: Link::Lumped, ..parameters.linear() };
+        parameters = linear_rig(&parameters);
     }
     let sign = waiting("recording");
     let signals = excited(&parameters, arguments.duration, arguments.rms, arguments.seed)

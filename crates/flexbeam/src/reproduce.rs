@@ -10,10 +10,7 @@ use std::time::Instant;
 
 use flexbeam_design::{Design, Outcome, Reference, Specification, design, low_pass};
 use flexbeam_files as files;
-use flexbeam_files::{
-    Controller, DesignResult, DistributedBeam, Document, Overwrite, ReproduceSummary, RigTestResult, json_text,
-    write_bytes,
-};
+use flexbeam_files::{Controller, DesignResult, Document, Overwrite, ReproduceSummary, json_text, write_bytes};
 use flexbeam_ident::breakaway::{Breakaway, Thresholds};
 use flexbeam_lti::StateSpace;
 use flexbeam_rig::{Beam, RigParameters};
@@ -24,10 +21,11 @@ use crate::Failure;
 use crate::cli;
 use crate::controller_file::{Particulars, controller_file, stiffness};
 use crate::design::{beam_of_rig, beam_uncertainty};
+use crate::law::{test_result, with_thresholds};
 use crate::nominal::lumped_psi;
 use crate::output::{folder, progress, provenance, write_figure};
 use crate::rig_test::{RAMP, breakaway};
-use crate::verify::Parts;
+use crate::verify::{Parts, distributed_beam};
 
 /// beta of the design [1/s]: below the damping of the third mode, 2.018.
 const BETA: f64 = 1.5;
@@ -190,6 +188,13 @@ fn particulars(
     v_res_v: f64,
 ) -> Particulars {
     let channel = files::Channel { low_pass: Some(specification.low_pass), ..files::Channel::default() };
+    let settings = files::Settings {
+        voltage_limit_v: Some(VOLTAGE_LIMIT_V),
+        smooth_ticks: Some((SMOOTH_STEP_S / specification.period_s).round()),
+        theta: Some(channel.clone()),
+        alpha: Some(channel),
+        ..files::Settings::default()
+    };
     Particulars {
         output: "psi".into(),
         stiffness: files::Stiffness::Needed,
@@ -197,20 +202,7 @@ fn particulars(
         overshoot_percent: Some(0.0),
         max_voltage_v: VOLTAGE_LIMIT_V,
         max_step_rad: LARGEST_STEP_DEG.to_radians(),
-        settings: files::Settings {
-            law: Some(files::Law::Inverse),
-            u_p_plus_v: Some(thresholds.u_p_plus_v),
-            u_p_minus_v: Some(thresholds.u_p_minus_v),
-            eps_u_v: Some(thresholds.eps_u_v),
-            eps_e_rad: Some(thresholds.eps_e_rad),
-            breakaway_plus_v: Some(breakaway.plus_v),
-            breakaway_minus_v: Some(-breakaway.minus_v),
-            voltage_limit_v: Some(VOLTAGE_LIMIT_V),
-            smooth_ticks: Some((SMOOTH_STEP_S / specification.period_s).round()),
-            theta: Some(channel.clone()),
-            alpha: Some(channel),
-            ..files::Settings::default()
-        },
+        settings: with_thresholds(settings, files::Law::Inverse, breakaway, thresholds),
     }
 }
 
@@ -226,24 +218,15 @@ impl Findings {
             seed,
             plant: self.plant.table(),
             identification: self.plant.identification(),
-            breakaway: RigTestResult {
-                breakaway_plus_v: self.breakaway.plus_v,
-                breakaway_minus_v: self.breakaway.minus_v,
-                law: files::Law::Inverse,
-                u_p_plus_v: self.thresholds.u_p_plus_v,
-                u_p_minus_v: self.thresholds.u_p_minus_v,
-                eps_u_v: self.thresholds.eps_u_v,
-                eps_e_rad: self.thresholds.eps_e_rad,
-                residual_voltage_v: Some(self.breakaway.residual_v(&self.thresholds)),
-                applied_to: Some("controller.toml".into()),
-            },
+            breakaway: test_result(
+                files::Law::Inverse,
+                &self.breakaway,
+                &self.thresholds,
+                Some("controller.toml".into()),
+            ),
             design: DesignResult::of(&self.controller),
             verified: self.broken().is_none(),
-            distributed_beam: DistributedBeam {
-                stable: self.on_beam.unstable.beyond == 0,
-                stability_degree: (self.on_beam.beyond_beta.beyond == 0).then_some(BETA),
-                covered: Some(self.on_beam.difference.value),
-            },
+            distributed_beam: distributed_beam(&self.on_beam, BETA),
             laws: self.laws.summaries(),
             figures: pictures.iter().map(|(name, _)| (*name).to_string()).collect(),
             seconds,

@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-use flexbeam_files::SimulateResult;
+use flexbeam_files::{Law, SimulateResult};
 use flexbeam_kernel as kernel;
 use flexbeam_report::{Figure, Panel, Series};
 use flexbeam_rig::{ClosedLoopRecord, Link, RigParameters, SimulatedRig, StepMetrics, closed_loop};
 
 use crate::Failure;
-use crate::cli::Law;
 use crate::rig_file::rig_parameters;
 
 /// A step response with its figures.
@@ -102,7 +101,7 @@ impl Response {
         let m = &self.metrics;
         SimulateResult {
             step_rad: m.step_rad,
-            law: law.into(),
+            law,
             seed,
             settling_time_s: m.settling_time_s,
             overshoot_percent: m.overshoot_percent,
@@ -133,16 +132,6 @@ impl Response {
                     .with(Series::step("controller u", t, &r.u_v))
                     .with(Series::step("motor V", t, &r.voltage_v).width(0.8)),
             )
-    }
-}
-
-impl From<Law> for flexbeam_files::Law {
-    fn from(law: Law) -> flexbeam_files::Law {
-        match law {
-            Law::None => flexbeam_files::Law::None,
-            Law::Switched => flexbeam_files::Law::Switched,
-            Law::Inverse => flexbeam_files::Law::Inverse,
-        }
     }
 }
 

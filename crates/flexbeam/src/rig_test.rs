@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use flexbeam_files as files;
-use flexbeam_files::{Controller, Document, Overwrite, RigTestResult, json_text};
+use flexbeam_files::{Controller, Document, Overwrite, json_text};
 use flexbeam_ident::breakaway::{Breakaway, Detection, Thresholds, breakaway as breakaway_of};
 use flexbeam_ident::excitation::SlowRamp;
 use flexbeam_report::{Cell, Table};
 use flexbeam_rig::{RigParameters, SimulatedRig, open_loop};
 
 use crate::identify::Hinted;
+use crate::law::{residual_v, test_result, with_thresholds};
 use crate::record::MOST_SAMPLES;
 use crate::rig_file::rig_parameters;
 use crate::{Failure, cli};
@@ -91,12 +92,8 @@ fn detection(parameters: &RigParameters) -> Detection {
 
 /// The law asked for, that of the controller, or the inverse law.
 fn law(asked: Option<cli::Law>, controller: Option<&Controller>) -> files::Law {
-    match asked {
-        Some(cli::Law::None) => files::Law::None,
-        Some(cli::Law::Switched) => files::Law::Switched,
-        Some(cli::Law::Inverse) => files::Law::Inverse,
-        None => controller.and_then(|controller| controller.settings.law).unwrap_or(files::Law::Inverse),
-    }
+    let of_file = controller.and_then(|controller| controller.settings.law).unwrap_or(files::Law::Inverse);
+    asked.map_or(of_file, files::Law::from)
 }
 
 /// The controller with these settings, in place of the old file.
@@ -107,39 +104,16 @@ fn apply(
     found: &Breakaway,
     thresholds: &Thresholds,
 ) -> Result<(), Failure> {
-    controller.settings = files::Settings {
-        law: Some(law),
-        breakaway_plus_v: Some(found.plus_v),
-        breakaway_minus_v: Some(-found.minus_v),
-        u_p_plus_v: Some(thresholds.u_p_plus_v),
-        u_p_minus_v: Some(thresholds.u_p_minus_v),
-        eps_u_v: Some(thresholds.eps_u_v),
-        eps_e_rad: Some(thresholds.eps_e_rad),
-        ..controller.settings
-    };
+    controller.settings = with_thresholds(controller.settings, law, found, thresholds);
     controller.write(path, Overwrite::SameKind)?;
     eprintln!("{}: settings replaced; the certificate's figures of the linear loop stay as they were", path.display());
     Ok(())
 }
 
-/// What `design --residual-voltage` asks for; the switched law has no such figure.
-fn residual_v(law: files::Law, found: &Breakaway, thresholds: &Thresholds) -> Option<f64> {
-    (law != files::Law::Switched).then(|| found.residual_v(thresholds))
-}
-
 fn answer(arguments: &cli::RigTest, law: files::Law, found: &Breakaway, thresholds: &Thresholds) {
     if arguments.json {
-        let result = RigTestResult {
-            breakaway_plus_v: found.plus_v,
-            breakaway_minus_v: found.minus_v,
-            law,
-            u_p_plus_v: thresholds.u_p_plus_v,
-            u_p_minus_v: thresholds.u_p_minus_v,
-            eps_u_v: thresholds.eps_u_v,
-            eps_e_rad: thresholds.eps_e_rad,
-            residual_voltage_v: residual_v(law, found, thresholds),
-            applied_to: arguments.apply_to.as_ref().map(|path| path.display().to_string()),
-        };
+        let applied_to = arguments.apply_to.as_ref().map(|path| path.display().to_string());
+        let result = test_result(law, found, thresholds, applied_to);
         println!("{}", json_text(&result));
         return;
     }

@@ -1,12 +1,13 @@
 //! `flexbeam simulate`: a step of the tip angle on the nonlinear rig.
 
-use flexbeam_files::{Controller, Document, Overwrite, SimulateResult, json_text, write_signals};
+use flexbeam_files::{Controller, Document, Law, Overwrite, SimulateResult, json_text, write_signals};
 use flexbeam_kernel as kernel;
 use flexbeam_report::{Cell, Table};
 
 use crate::Failure;
-use crate::cli::{self, Law};
+use crate::cli;
 use crate::controller_file::kernel_settings;
+use crate::law::law_name;
 use crate::output::{folder, write_figure};
 use crate::record::MOST_SAMPLES;
 use crate::response::{linear_rig, rig_at, step_response};
@@ -72,21 +73,8 @@ fn expect(
 
 /// The command line's law, or the file's; a linear run needs none.
 fn law_in_force(arguments: &cli::Simulate, file: &Controller) -> Law {
-    let of_file = match file.settings.law {
-        Some(flexbeam_files::Law::None) => Law::None,
-        Some(flexbeam_files::Law::Switched) => Law::Switched,
-        Some(flexbeam_files::Law::Inverse) | None => Law::Inverse,
-    };
-    arguments.law.unwrap_or(if arguments.linear { Law::None } else { of_file })
-}
-
-/// The law in words.
-pub fn law_name(law: Law) -> &'static str {
-    match law {
-        Law::None => "no law",
-        Law::Switched => "switched law",
-        Law::Inverse => "inverse law",
-    }
+    let of_file = if arguments.linear { Law::None } else { file.settings.law.unwrap_or(Law::Inverse) };
+    arguments.law.map_or(of_file, Law::from)
 }
 
 fn table(result: &SimulateResult) -> Table {

@@ -174,13 +174,18 @@ fn result(
         verified: failures.is_empty(),
         continuous: map(figures.iter().filter(is_continuous).collect()),
         sampled: map(figures.iter().filter(|f| !is_continuous(f)).collect()),
-        distributed_beam: Some(DistributedBeam {
-            stable: beam.unstable.beyond == 0,
-            stability_degree: (beam.beyond_beta.beyond == 0).then_some(beta),
-            covered: Some(beam.difference.value),
-        }),
+        distributed_beam: Some(distributed_beam(beam, beta)),
         monte_carlo: runs.map(|runs| monte_carlo_result(runs, seed)),
         failures,
+    }
+}
+
+/// The verdict on the exact beam.
+pub fn distributed_beam(beam: &OnBeam, beta: f64) -> DistributedBeam {
+    DistributedBeam {
+        stable: beam.unstable.beyond == 0,
+        stability_degree: (beam.beyond_beta.beyond == 0).then_some(beta),
+        covered: Some(beam.difference.value),
     }
 }
 

@@ -19,7 +19,7 @@ const AROUND_PX: f64 = 120.0;
 pub(super) fn draw(path: &Path, experiment: &Experiment, found: &Found, options: &Options) -> Result<(), Failure> {
     folder(path)?;
     let mut written = Vec::new();
-    written.extend(write_figure(path, "singular_values", &singular_values(&found.identified))?);
+    written.extend(write_figure(path, "singular_values", &singular_values(&found.identified, usize::MAX))?);
     let outputs = outputs(experiment, &found.identified, options)
         .map_err(Failure::while_trying(format!("draw the outputs into {}", path.display())))?;
     written.extend(write_figure(path, "outputs", &outputs)?);
@@ -28,8 +28,9 @@ pub(super) fn draw(path: &Path, experiment: &Experiment, found: &Found, options:
 }
 
 /// On a logarithmic axis, with the chosen order between those kept and those left out.
-pub(crate) fn singular_values(identified: &Identified) -> Figure {
-    let (sigma, n) = (&identified.singular_values, identified.order);
+pub(crate) fn singular_values(identified: &Identified, most: usize) -> Figure {
+    let sigma: Vec<f64> = identified.singular_values.iter().copied().take(most).collect();
+    let n = identified.order.min(sigma.len());
     let index: Vec<f64> = (1..=sigma.len()).map(|k| k as f64).collect();
     let left_out = Series::stem("left out", &index[n..], &sigma[n..]).marker(Marker::Circle).colour(Colour::Grey);
     Figure::new("Order from the singular values", "Index").x_scale(Scale::Integer).panel(

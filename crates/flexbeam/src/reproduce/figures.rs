@@ -7,6 +7,7 @@ use flexbeam_rig::Lumped;
 
 use super::{BETA, Findings};
 use crate::Failure;
+use crate::identify::pictures::singular_values;
 use crate::nominal::lumped_psi;
 use crate::response::{REST_S, degrees};
 
@@ -18,7 +19,7 @@ pub fn all(findings: &Findings) -> Result<Vec<Picture>, Failure> {
     Ok(vec![
         ("fig05_input", input(findings)),
         ("fig06_deflection", deflection(findings)),
-        ("singular_values", singular_values(findings)),
+        ("singular_values", singular_values(&findings.plant.identified, 20)),
         ("bode", bode(findings)?),
         ("uncertainty", uncertainty(findings)),
         ("radius", radius(findings)),
@@ -49,22 +50,6 @@ fn deflection(findings: &Findings) -> Figure {
         .size(800.0, 520.0)
         .panel(Panel::new("Deflection α [deg]").with(Series::line("deflection α", &t, &row(2)).width(0.9)))
         .panel(Panel::new("Hub angle θ [deg]").with(Series::line("hub θ", &t, &row(1)).width(0.9)))
-}
-
-fn singular_values(findings: &Findings) -> Figure {
-    let (found, shown) = (&findings.plant.identified, 20);
-    let sigma: Vec<f64> = found.singular_values.iter().copied().take(shown).collect();
-    let k: Vec<f64> = (1..=sigma.len()).map(|k| k as f64).collect();
-    let n = found.order.min(sigma.len());
-    Figure::new("Order from the singular values of the weighted projection (14)", "Index k")
-        .x_scale(Scale::Integer)
-        .panel(
-            Panel::new("Singular value σₖ")
-                .log_y()
-                .with(Series::stem("kept", &k[..n], &sigma[..n]))
-                .with(Series::stem("left out", &k[n..], &sigma[n..]).marker(Marker::Circle).colour(Colour::Grey))
-                .vertical(n as f64 + 0.5, &format!("order n = {n}")),
-        )
 }
 
 fn decades(from: f64, to: f64, count: usize) -> Vec<f64> {
@@ -204,7 +189,7 @@ fn tip_panel(findings: &Findings) -> Panel {
     let mut panel = Panel::new("Tip angle ψ [deg]").horizontal(super::laws::STEP_DEG, "reference");
     for (law, record) in super::laws::LAWS.iter().zip(&laws.records) {
         let (t, psi) = from_step(&degrees(&record.psi_rad), period_s, SHOWN_S);
-        panel = panel.line(crate::simulate::law_name(*law), &t, &psi);
+        panel = panel.line(crate::law::law_name(*law), &t, &psi);
     }
     panel.with(Series::line("linear ideal", &t, &ideal).colour(Colour::Grey).dash(Dash::Dashed))
 }

@@ -2,17 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use flexbeam_files::{Controller, DirectionSummary, LawSummary, Spread};
+use flexbeam_files::{Controller, DirectionSummary, Law, LawSummary, Spread};
 use flexbeam_ident::breakaway::Thresholds;
 use flexbeam_kernel as kernel;
 use flexbeam_rig::{ClosedLoopRecord, RigParameters, StepMetrics};
 use flexbeam_verify::Quantiles;
 
 use crate::Failure;
-use crate::cli::Law;
 use crate::controller_file::kernel_settings;
+use crate::law::law_name;
 use crate::response::{linear_rig, step_response};
-use crate::simulate::law_name;
 
 /// The step of Figure 9 [degree].
 pub const STEP_DEG: f64 = 30.0;

@@ -6,9 +6,8 @@ use flexbeam_verify::Verified;
 
 use super::figures::Picture;
 use super::{BETA, Findings, laws};
-use crate::cli::Law;
 use crate::design::checks;
-use crate::simulate::law_name;
+use crate::law::law_name;
 use crate::verify::table as verified_table;
 
 /// The self-contained page.
@@ -136,8 +135,9 @@ fn laws_table(findings: &Findings) -> Table {
         ("limit cycles", "runs"),
     ];
     let summaries = findings.laws.summaries();
-    let laws = [Law::None, Law::Switched, Law::Inverse].map(law_name);
-    laws.iter()
+    laws::LAWS
+        .map(law_name)
+        .iter()
         .filter_map(|name| Some((*name, summaries.get(*name)?)))
         .fold(Table::new(&columns), |table, (name, law)| table.row(law_row(name, &law.up)).row(law_row("", &law.down)))
 }
