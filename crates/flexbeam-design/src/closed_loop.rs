@@ -49,7 +49,7 @@ fn weighted_norm(W: &StateSpace, alpha: &Uncertainty) -> Result<f64, Error> {
 }
 
 /// Distance of the poles to the boundary of stability, in 1/s.
-fn degree(poles: &[C64], time: Time) -> f64 {
+pub(crate) fn degree(poles: &[C64], time: Time) -> f64 {
     let worst = |value: fn(&C64) -> f64| poles.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
     match time {
         Time::Continuous => -worst(|p| p.re),

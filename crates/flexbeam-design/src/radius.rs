@@ -14,12 +14,12 @@ use crate::{Error, Uncertainty};
 
 /// Largest relative disagreement of the two roads that is still rounding: some 1e-16 times the condition of the Cauchy
 /// matrix of up to ten poles.
-pub const AGREEMENT: f64 = 1e-8;
+const AGREEMENT: f64 = 1e-8;
 
 /// The radius by both roads.
 ///
 /// Returns `None` when nothing is unstable after the shift: every bound is survived, by u = 0.
-/// Errors: [`Error::RadiusDisagreement`] when the two roads part by more than [`AGREEMENT`].
+/// Errors: [`Error::RadiusDisagreement`] when the two roads part by more than `AGREEMENT`.
 /// Source: DESIGN 6.1.
 pub fn robust_radius(plant: &HalfPlane, alpha: &Uncertainty) -> Result<Option<f64>, Error> {
     if plant.unstable_poles().is_empty() {

@@ -3,14 +3,15 @@
 use flexbeam_lti::minimal::minimal;
 use flexbeam_lti::{C64, Mat, StateSpace, Time, connections, sampling};
 
-use crate::closed_loop::LoopFigures;
+use crate::closed_loop::{LoopFigures, degree};
 use crate::feedback::Feedback;
 use crate::half_plane::HalfPlane;
+use crate::interpolation::Interpolant;
 use crate::radius::{conditions, robust_radius};
 use crate::reference::{Prefilter, Reference, prefilter};
 use crate::solvability::{Unsolvable, largest_beta, nearest_stiffness};
 use crate::stiffness::{Stiffness, conditions_with_stiffness, integrator, stiffness_of};
-use crate::{Error, Interpolant, Uncertainty};
+use crate::{Error, Uncertainty};
 
 /// What the design is asked for.
 #[derive(Clone, Debug)]
@@ -46,6 +47,8 @@ pub struct Design {
     pub sampled_uncertainty: Uncertainty,
     /// Inputs (v, y, u_applied), outputs (u, M v), sampled: what the kernel steps.
     pub controller: StateSpace,
+    /// -max ln|z|/Ts of the prefilter's own poles [1/s]; infinite for one without dynamics.
+    pub prefilter_degree: f64,
     /// Reference model and the voltage it takes.
     pub prefilter: Prefilter,
 }
@@ -120,6 +123,7 @@ fn attempt(nominal: &StateSpace, specification: &Specification) -> Result<Design
         sampled_radius: sampled.radius,
         sampled: LoopFigures::of(&plant, &sampled_feedback.controller(), beta, &alpha_w)?,
         controller: controller(&sampled_feedback, &prefilter)?,
+        prefilter_degree: degree(&prefilter.system.poles(), plant.time),
         sampled_uncertainty: alpha_w,
         prefilter,
     })

@@ -72,7 +72,7 @@ pub fn controller_file(
             controller_order: K.order(),
             v_res_v: Some(particulars.v_res_v),
             stationary_error_rad: Some(particulars.v_res_v / stiffness.abs()).filter(|error| error.is_finite()),
-            prefilter_degree: None,
+            prefilter_degree: Some(design.prefilter_degree).filter(|degree| degree.is_finite()),
             continuous: figures(&design.continuous, design.robust_radius),
             sampled: figures(&design.sampled, design.sampled_radius),
             provenance: None,
