@@ -32,6 +32,8 @@ pub struct Settings {
     pub voltage_limit_v: Option<f64>,
     /// Largest magnitude of the deflection angle before the rig is stopped [rad].
     pub deflection_limit_rad: Option<f64>,
+    /// Largest magnitude of the hub angle before the rig is stopped [rad]. Left out: no limit.
+    pub theta_limit_rad: Option<f64>,
     /// Largest change of the hub angle in a tick before the rig is stopped [rad]. Left out: no limit.
     pub theta_step_limit_rad: Option<f64>,
     /// Duration of the smooth step [ticks].
@@ -84,6 +86,7 @@ impl Settings {
             ("breakaway_minus_v", self.breakaway_minus_v),
             ("voltage_limit_v", self.voltage_limit_v),
             ("deflection_limit_rad", self.deflection_limit_rad),
+            ("theta_limit_rad", self.theta_limit_rad),
             ("theta_step_limit_rad", self.theta_step_limit_rad),
             ("smooth_ticks", self.smooth_ticks),
             ("smooth_step_rad", self.smooth_step_rad),

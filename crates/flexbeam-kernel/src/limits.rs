@@ -11,6 +11,8 @@ pub enum Fault {
     None,
     /// The beam's deflection |alpha| went beyond `deflection_limit_rad`.
     Deflection,
+    /// The hub went beyond `theta_limit_rad`.
+    Angle,
     /// The hub moved more than `theta_step_limit_rad` in one tick.
     Speed,
     /// An input or a result was infinite or not a number.
@@ -34,9 +36,11 @@ pub(crate) fn limited(voltage: f64, limit: f64) -> f64 {
 }
 
 /// The limit that these angles break. A limit that is not a number counts as broken.
-pub(crate) fn broken(settings: &Settings, alpha_rad: f64, theta_change_rad: f64) -> Fault {
+pub(crate) fn broken(settings: &Settings, theta_rad: f64, alpha_rad: f64, theta_change_rad: f64) -> Fault {
     if !within(alpha_rad, settings.deflection_limit_rad) {
         Fault::Deflection
+    } else if !within(theta_rad, settings.theta_limit_rad) {
+        Fault::Angle
     } else if !within(theta_change_rad, settings.theta_step_limit_rad) {
         Fault::Speed
     } else {
@@ -66,24 +70,33 @@ mod tests {
 
     #[test]
     fn limits_break_beyond_and_not_at_them() {
-        let s = Settings { deflection_limit_rad: 0.3, theta_step_limit_rad: 0.02, ..Settings::default() };
-        for (alpha, change, fault) in [
-            (0.3, 0.02, Fault::None),
-            (-0.3, -0.02, Fault::None),
-            (0.31, 0.0, Fault::Deflection),
-            (-0.31, 0.0, Fault::Deflection),
-            (0.0, 0.021, Fault::Speed),
-            (0.0, -0.021, Fault::Speed),
+        let s = Settings {
+            deflection_limit_rad: 0.3,
+            theta_limit_rad: 2.0,
+            theta_step_limit_rad: 0.02,
+            ..Settings::default()
+        };
+        for (theta, alpha, change, fault) in [
+            (2.0, 0.3, 0.02, Fault::None),
+            (-2.0, -0.3, -0.02, Fault::None),
+            (0.0, 0.31, 0.0, Fault::Deflection),
+            (0.0, -0.31, 0.0, Fault::Deflection),
+            (2.1, 0.0, 0.0, Fault::Angle),
+            (-2.1, 0.0, 0.0, Fault::Angle),
+            (0.0, 0.0, 0.021, Fault::Speed),
+            (0.0, 0.0, -0.021, Fault::Speed),
         ] {
-            assert_eq!(broken(&s, alpha, change), fault);
+            assert_eq!(broken(&s, theta, alpha, change), fault);
         }
     }
 
     #[test]
     fn a_limit_that_is_no_number_is_broken() {
         let s = Settings { deflection_limit_rad: f64::NAN, ..Settings::default() };
-        assert_eq!(broken(&s, 0.0, 0.0), Fault::Deflection);
+        assert_eq!(broken(&s, 0.0, 0.0, 0.0), Fault::Deflection);
+        let s = Settings { theta_limit_rad: f64::NAN, ..Settings::default() };
+        assert_eq!(broken(&s, 0.0, 0.0, 0.0), Fault::Angle);
         let s = Settings { theta_step_limit_rad: f64::NAN, ..Settings::default() };
-        assert_eq!(broken(&s, 0.0, 0.0), Fault::Speed);
+        assert_eq!(broken(&s, 0.0, 0.0, 0.0), Fault::Speed);
     }
 }

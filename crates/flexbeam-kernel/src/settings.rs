@@ -74,6 +74,8 @@ pub struct Settings {
     pub voltage_limit_v: f64,
     /// Largest magnitude of the filtered deflection angle; beyond it the rig is stopped. Default 0.5 rad.
     pub deflection_limit_rad: f64,
+    /// Largest magnitude of the filtered hub angle; beyond it the rig is stopped. Default infinite [rad].
+    pub theta_limit_rad: f64,
     /// Largest change of the filtered hub angle in one tick (speed limit times period); beyond it the rig is stopped.
     /// Default infinite [rad].
     pub theta_step_limit_rad: f64,
@@ -97,6 +99,7 @@ impl Default for Settings {
             breakaway_minus_v: 0.0,
             voltage_limit_v: 10.0,
             deflection_limit_rad: 0.5,
+            theta_limit_rad: f64::INFINITY,
             theta_step_limit_rad: f64::INFINITY,
         }
     }
@@ -123,6 +126,7 @@ impl Settings {
             ("breakaway_minus_v", finite(self.breakaway_minus_v)),
             ("voltage_limit_v", finite(self.voltage_limit_v)),
             ("deflection_limit_rad", limit(self.deflection_limit_rad)),
+            ("theta_limit_rad", limit(self.theta_limit_rad)),
             ("theta_step_limit_rad", limit(self.theta_step_limit_rad)),
         ];
         checks.iter().find(|(_, sound)| !sound).map(|&(name, _)| name)
@@ -157,6 +161,7 @@ mod tests {
             (Settings { breakaway_minus_v: -0.1, ..d }, "breakaway_minus_v"),
             (Settings { voltage_limit_v: f64::INFINITY, ..d }, "voltage_limit_v"),
             (Settings { deflection_limit_rad: f64::NAN, ..d }, "deflection_limit_rad"),
+            (Settings { theta_limit_rad: 0.0, ..d }, "theta_limit_rad"),
             (Settings { theta_step_limit_rad: -1.0, ..d }, "theta_step_limit_rad"),
         ] {
             assert_eq!(settings.first_unsound(), Some(name));

@@ -105,7 +105,7 @@ impl Sensed {
         } else if !self.finite {
             Fault::NonFinite
         } else {
-            limits::broken(settings, self.alpha_rad, self.theta_change_rad)
+            limits::broken(settings, self.theta_rad, self.alpha_rad, self.theta_change_rad)
         }
     }
 }

@@ -33,7 +33,7 @@ fn pick(seed: &mut u32, among: &[f64]) -> f64 {
 #[test]
 fn any_settings_and_any_measurement_give_a_bounded_voltage() {
     let mut seed = 1;
-    let mut faults = [0; 4];
+    let mut faults = [0; 5];
     for run in 0..20_000 {
         let sensible = [0.3, 0.3, 0.3, 1.0];
         let mut some = || if run % 2 == 0 { pick(&mut seed, &SENSELESS) } else { pick(&mut seed, &sensible) };
@@ -55,6 +55,7 @@ fn any_settings_and_any_measurement_give_a_bounded_voltage() {
             breakaway_minus_v: some(),
             voltage_limit_v: some(),
             deflection_limit_rad: some(),
+            theta_limit_rad: some(),
             theta_step_limit_rad: some(),
         };
         let coefficients: Vec<f64> = (0..18).map(|_| Some(some()).filter(|c| c.is_finite()).unwrap_or(0.5)).collect();
@@ -114,11 +115,13 @@ fn a_result_that_overflows_is_a_fault_and_not_full_voltage() {
 #[test]
 fn deflection_and_speed_beyond_their_limits_stop_the_rig() {
     let controller = Controller::new(0, &PROPORTIONAL).unwrap();
-    let s = Settings { deflection_limit_rad: 0.2, theta_step_limit_rad: 0.02, ..Settings::default() };
+    let s =
+        Settings { deflection_limit_rad: 0.2, theta_limit_rad: 0.5, theta_step_limit_rad: 0.02, ..Settings::default() };
     let still = Measured { reference_rad: 0.5, theta_rad: 0.3, alpha_rad: 0.1 };
     for (next, fault) in [
         (Measured { alpha_rad: 0.21, ..still }, Fault::Deflection),
         (Measured { theta_rad: 0.27, ..still }, Fault::Speed),
+        (Measured { theta_rad: 0.501, ..still }, Fault::Angle),
         (Measured { theta_rad: 0.31, ..still }, Fault::None),
     ] {
         let mut memory = [0.0; 3];

@@ -157,6 +157,7 @@ pub fn kernel_settings(file: &files::Settings, law: Option<files::Law>) -> kerne
         breakaway_minus_v: or(file.breakaway_minus_v, default.breakaway_minus_v),
         voltage_limit_v: or(file.voltage_limit_v, default.voltage_limit_v),
         deflection_limit_rad: or(file.deflection_limit_rad, default.deflection_limit_rad),
+        theta_limit_rad: or(file.theta_limit_rad, default.theta_limit_rad),
         theta_step_limit_rad: or(file.theta_step_limit_rad, default.theta_step_limit_rad),
     }
 }

@@ -83,6 +83,7 @@ pub struct Stopped {
 fn reason(fault: kernel::Fault) -> &'static str {
     match fault {
         kernel::Fault::Deflection => "the deflection passed its limit (settings.deflection_limit_rad)",
+        kernel::Fault::Angle => "the hub passed its limit (settings.theta_limit_rad)",
         kernel::Fault::Speed => "the hub turned faster than its limit (settings.theta_step_limit_rad)",
         kernel::Fault::NonFinite => "a number of the loop was not finite",
         kernel::Fault::Order => "the controller's memory is of another order",

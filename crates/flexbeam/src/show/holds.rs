@@ -132,6 +132,7 @@ fn settings(settings: &kernel::Settings) -> String {
         ("breakaway backward", volts(settings.breakaway_minus_v)),
         ("voltage limit", volts(settings.voltage_limit_v)),
         ("deflection limit", angle(settings.deflection_limit_rad)),
+        ("hub's limit", angle(settings.theta_limit_rad)),
         ("hub's limit in a tick", angle(settings.theta_step_limit_rad)),
         ("smooth step", number(settings.smooth_ticks, "ticks")),
         ("longer for steps above", angle(settings.smooth_step_rad)),
