@@ -4,3 +4,37 @@
 //! Deliberately absent: design, identification, drawing; linear algebra in the real-time thread.
 
 pub mod back_end;
+mod cause;
+mod clock;
+mod controls;
+mod dry_run;
+mod frozen;
+mod lifecycle;
+mod live;
+mod meter;
+mod real_time_loop;
+mod recorder;
+mod reference;
+mod sample;
+mod session;
+mod simulated;
+mod sink;
+mod standing;
+mod watchdog;
+
+pub use cause::{Cause, RunFault, kernel_words};
+pub use clock::{Clock, Monotonic, NS_PER_S};
+pub use controls::Controls;
+pub use dry_run::CannotHold;
+pub use frozen::FrozenLimit;
+pub use lifecycle::{Event, Phase};
+pub use live::{Live, LiveControl, LiveReader, Refused, live};
+pub use meter::{Meter, PageFaults, Times};
+pub use real_time_loop::Tempo;
+pub use recorder::Recorded;
+pub use reference::{Reference, Shape};
+pub use sample::Sample;
+pub use session::{ControllerData, NotArmed, Outcome, Session, Setup};
+pub use simulated::SimulatedBackEnd;
+pub use sink::{EventKind, RunEvent, RunReport, Sink, SinkError};
+pub use standing::{LOOP_PRIORITY, Standing, WATCHDOG_PRIORITY, Warning};

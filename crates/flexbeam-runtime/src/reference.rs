@@ -1,0 +1,141 @@
+//! The reference of a run: signal generators, computed once a tick from settings that may change on the way.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// Shape of the reference.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shape {
+    /// Offset until `delay_s`, then offset + amplitude.
+    #[default]
+    Step,
+    /// Offset + amplitude for half a period, offset - amplitude for the other half.
+    Square,
+    /// Offset + amplitude sin(2 pi t/period).
+    Sine,
+    /// From offset - amplitude up to offset + amplitude, and back at once.
+    Sawtooth,
+    /// The samples of a file, one a period of the loop; the last one stays.
+    File,
+}
+
+/// What the tip is to do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    /// Shape. Default a step.
+    pub shape: Shape,
+    /// Amplitude [rad]; it also scales a file. Default 0.
+    pub amplitude_rad: f64,
+    /// Period of the square, sine and sawtooth [s]. Default 4.
+    pub period_s: f64,
+    /// What the amplitude is added to [rad]. Default 0.
+    pub offset_rad: f64,
+    /// Rest before a step [s]. Default 0.1, as in a simulation.
+    pub delay_s: f64,
+    /// Samples of a file, in units of the amplitude.
+    pub samples: Arc<[f64]>,
+}
+
+impl Default for Reference {
+    fn default() -> Reference {
+        Reference {
+            shape: Shape::Step,
+            amplitude_rad: 0.0,
+            period_s: 4.0,
+            offset_rad: 0.0,
+            delay_s: 0.1,
+            samples: Arc::new([]),
+        }
+    }
+}
+
+/// Where a periodic reference stands in its period.
+///
+/// The phase is counted on, not computed from the time, so a new period or amplitude leaves it where it is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Generator {
+    /// Part of the period that is gone, 0 to 1.
+    phase: f64,
+}
+
+impl Generator {
+    /// Real-time: yes. The reference of the tick `tick` of a run [rad]; `ticks` periods after the last call.
+    pub(crate) fn next(&mut self, reference: &Reference, tick: u64, ticks: u64, period_s: f64) -> f64 {
+        let wave = match reference.shape {
+            Shape::Step => step(tick as f64 * period_s, reference.delay_s),
+            Shape::Square => self.advance(reference, ticks, period_s, |p| if p < 0.5 { 1.0 } else { -1.0 }),
+            Shape::Sine => self.advance(reference, ticks, period_s, |p| (TAU * p).sin()),
+            Shape::Sawtooth => self.advance(reference, ticks, period_s, |p| 2.0 * p - 1.0),
+            Shape::File => reference.samples.get(tick as usize).or(reference.samples.last()).copied().unwrap_or(0.0),
+        };
+        reference.offset_rad + reference.amplitude_rad * wave
+    }
+
+    /// The wave at the phase that is reached, then on by `ticks` periods of the loop.
+    fn advance(&mut self, reference: &Reference, ticks: u64, period_s: f64, wave: impl Fn(f64) -> f64) -> f64 {
+        let step = ticks as f64 * period_s / reference.period_s;
+        let here = self.phase + if step.is_finite() { step } else { 0.0 };
+        self.phase = here - here.floor();
+        wave(self.phase)
+    }
+}
+
+fn step(time_s: f64, delay_s: f64) -> f64 {
+    if time_s < delay_s { 0.0 } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(reference: &Reference, ticks: u64) -> Vec<f64> {
+        let mut generator = Generator::default();
+        (0..ticks).map(|k| generator.next(reference, k, u64::from(k > 0), 0.25)).collect()
+    }
+
+    fn of(shape: Shape) -> Reference {
+        Reference { shape, amplitude_rad: 2.0, period_s: 1.0, offset_rad: 10.0, ..Reference::default() }
+    }
+
+    #[test]
+    fn each_shape_over_a_period_of_four_ticks() {
+        assert_eq!(run(&of(Shape::Step), 3), [10.0, 12.0, 12.0]);
+        assert_eq!(run(&of(Shape::Square), 5), [12.0, 12.0, 8.0, 8.0, 12.0]);
+        assert_eq!(run(&of(Shape::Sawtooth), 5), [8.0, 9.0, 10.0, 11.0, 8.0]);
+        let sine = run(&of(Shape::Sine), 4);
+        for (found, expected) in sine.iter().zip([10.0, 12.0, 10.0, 8.0]) {
+            assert!((found - expected).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_file_is_played_once_and_its_last_sample_stays() {
+        let reference = Reference { samples: [0.5, -1.0].into(), ..of(Shape::File) };
+        assert_eq!(run(&reference, 4), [11.0, 8.0, 8.0, 8.0]);
+        assert_eq!(run(&of(Shape::File), 2), [10.0, 10.0], "no samples: the offset");
+    }
+
+    #[test]
+    fn a_step_without_offset_is_the_amplitude_to_the_last_bit() {
+        let step = Reference { amplitude_rad: 30f64.to_radians(), ..Reference::default() };
+        let mut generator = Generator::default();
+        let found: Vec<f64> = (0..102).map(|k| generator.next(&step, k, 1, 0.001)).collect();
+        assert_eq!((found[99], found[100].to_bits()), (0.0, 30f64.to_radians().to_bits()));
+    }
+
+    #[test]
+    fn a_new_period_leaves_the_phase_where_it_is_and_missed_ticks_count() {
+        let (slow, fast) = (of(Shape::Sawtooth), Reference { period_s: 0.5, ..of(Shape::Sawtooth) });
+        let mut generator = Generator::default();
+        generator.next(&slow, 0, 0, 0.05);
+        let before = generator.next(&slow, 5, 5, 0.05);
+        let after = generator.next(&fast, 6, 1, 0.05);
+        assert!((before - 9.0).abs() < 1e-12 && (after - 9.4).abs() < 1e-12, "{before} {after}");
+    }
+
+    #[test]
+    fn a_period_of_zero_stands_still() {
+        let stopped = Reference { period_s: 0.0, ..of(Shape::Sine) };
+        assert!(run(&stopped, 5).iter().all(|r| *r == 10.0));
+    }
+}
