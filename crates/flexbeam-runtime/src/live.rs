@@ -172,7 +172,8 @@ mod tests {
     #[test]
     fn what_makes_no_sense_is_refused_and_the_old_set_stays() {
         let (control, mut reader) = live(first()).unwrap();
-        let changes: [(fn(&mut Live), &str); 6] = [
+        type Change = fn(&mut Live);
+        let changes: [(Change, &str); 6] = [
             (|l| l.settings.eps_u_v = f64::NAN, "eps_u_v"),
             (|l| l.settings.voltage_limit_v = -1.0, "voltage_limit_v"),
             (|l| l.reference.amplitude_rad = f64::INFINITY, "reference.amplitude_rad"),

@@ -11,6 +11,9 @@ const PATIENCE: u64 = 2;
 
 /// How often it looks, as a part of its patience.
 const LOOKS: u64 = 8;
+const SHORTEST_PAUSE: Duration = Duration::from_micros(100);
+/// A patient watchdog still notices soon that the run is over.
+const LONGEST_PAUSE: Duration = Duration::from_millis(10);
 
 /// Real-time: yes. Looks until `done`; bites once, when a loop that has begun did not wake for two hold times and a period.
 ///
@@ -23,7 +26,7 @@ pub(crate) fn watch(
     done: &AtomicBool,
 ) -> bool {
     let limit_ns = hold_ns.saturating_mul(PATIENCE).saturating_add(period_ns);
-    let pause = Duration::from_nanos((limit_ns / LOOKS).max(100_000));
+    let pause = Duration::from_nanos(limit_ns / LOOKS).clamp(SHORTEST_PAUSE, LONGEST_PAUSE);
     let (mut beats, mut since_ns) = (0, 0);
     while !done.load(Ordering::Acquire) {
         let now_ns = Monotonic.now_ns();
