@@ -4,3 +4,12 @@
 //! Deliberately absent: design, identification, drawing; linear algebra in the real-time thread.
 
 pub mod back_end;
+mod exchange;
+pub mod framed;
+pub mod line;
+pub mod port;
+pub mod rig_side;
+pub mod serial;
+pub mod served_rig;
+pub mod udp;
+pub mod wire;
