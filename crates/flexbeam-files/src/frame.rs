@@ -4,8 +4,8 @@
 //! each number aligned to its size; and back. Every function is total and allocates nothing.
 //! Deliberately absent: sockets and lines; who obeys which frame (flexbeam-runtime).
 //!
-//! What every version keeps: two bytes of magic and the version in front; at the end the check sum of all before it. So a
-//! frame of another version is told from noise whatever its size ([`is_sealed`]).
+//! What every version keeps: magic, version and kind in front; at the end the check sum of all before it. So a frame of another
+//! version is told from noise whatever its size ([`is_sealed`]), and a host's from a rig's ([`is_command`]).
 
 use std::fmt;
 
@@ -167,6 +167,12 @@ impl std::error::Error for FrameError {}
 /// Whether the last four bytes are the check sum of all before them, as in every version.
 pub fn is_sealed(bytes: &[u8]) -> bool {
     bytes.split_last_chunk().is_some_and(|(body, seal)| *seal == checksum(body))
+}
+
+/// Whether it is a command of any version, as far as its head and its seal tell.
+pub fn is_command(bytes: &[u8]) -> bool {
+    let [first, second] = MAGIC;
+    matches!(*bytes, [a, b, _, COMMAND, _, _, _, _, ..] if a == first && b == second) && is_sealed(bytes)
 }
 
 /// CRC-32 of IEEE 802.3.

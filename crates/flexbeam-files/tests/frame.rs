@@ -1,6 +1,8 @@
 //! The wire frame: every byte where the book says, every change noticed, any bytes survived.
 
-use flexbeam_files::frame::{COMMAND_BYTES, Command, FrameError, MEASUREMENT_BYTES, Measurement, VERSION, is_sealed};
+use flexbeam_files::frame::{
+    COMMAND_BYTES, Command, FrameError, MEASUREMENT_BYTES, Measurement, VERSION, is_command, is_sealed,
+};
 use proptest::prelude::*;
 
 /// The check sum by its definition, bit by bit: reflected polynomial EDB88320, all ones before and after.
@@ -83,6 +85,15 @@ fn a_newer_frame_is_named_whatever_its_size_and_believed_when_its_seal_holds() {
         assert!(is_sealed(&with_seal(bytes)));
     }
     assert!(!is_sealed(&[1, 2, 3]));
+}
+
+#[test]
+fn a_host_s_frame_of_any_version_is_told_from_a_rig_s() {
+    assert!(is_command(&COMMAND.encode()));
+    assert!(!is_command(&MEASUREMENT.encode()));
+    assert!(is_command(&with_seal(vec![b'F', b'B', 200, 1, 0, 0, 0, 0])));
+    assert!(!is_command(&[b'F', b'B', 200, 1, 0, 0, 0, 0]), "not sealed");
+    assert!(!is_command(&with_seal(vec![b'G', b'B', 200, 1, 0, 0, 0, 0])));
 }
 
 #[test]

@@ -187,6 +187,20 @@ impl RigSide {
         reply
     }
 
+    /// Real-time: yes. What a command of another version is answered with, so that its host learns ours; nothing while a run
+    /// lasts.
+    pub fn on_other_version(&self) -> Option<Measurement> {
+        let answer = Measurement {
+            session: 0,
+            sequence: 0,
+            status: self.status(),
+            theta_rad: 0.0,
+            alpha_rad: 0.0,
+            boots: self.boots,
+        };
+        (self.phase != Phase::Running).then_some(answer)
+    }
+
     /// Real-time: yes. A rig that nobody has greeted says so to a host that thinks otherwise, though it counts no starts.
     fn status(&self) -> u32 {
         match self.phase {

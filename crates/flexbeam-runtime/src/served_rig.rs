@@ -11,7 +11,7 @@ mod beam;
 use crate::rig_side::{Decision, Passed, Phase, RigSide};
 use crate::wire::{Broken, FrameBuffer, LONGEST_FRAME, Received, Wire, wait};
 use beam::Beam;
-use flexbeam_files::frame::Command;
+use flexbeam_files::frame::{Command, FrameError, is_command};
 use flexbeam_rig::SimulatedRig;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -165,12 +165,22 @@ impl Served {
     fn take_in(&mut self, wire: &mut impl Wire, buffer: &mut FrameBuffer) -> Result<(), ServeError> {
         for _ in 0..MOST_PER_TICK {
             let Received::Frame(length) = wire.receive(buffer)? else { break };
-            match Command::decode(buffer.get(..length).unwrap_or_default()) {
+            let bytes = buffer.get(..length).unwrap_or_default();
+            match Command::decode(bytes) {
                 Ok(command) => self.on_command(&command, wire)?,
-                Err(_) => self.counts.malformed += 1,
+                Err(_) => self.on_malformed(bytes, wire)?,
             }
         }
         Ok(())
+    }
+
+    /// Real-time: no. Only a command of another version gets an answer.
+    fn on_malformed(&mut self, bytes: &[u8], wire: &impl Wire) -> Result<(), ServeError> {
+        self.counts.malformed += 1;
+        match self.side.on_other_version().filter(|_| is_other_version(bytes)) {
+            Some(answer) => Ok(wire.send(&answer.encode())?),
+            None => Ok(()),
+        }
     }
 
     /// Real-time: no. The answer goes out before the period that follows it is computed.
@@ -216,4 +226,9 @@ impl Served {
             self.beam.hold(self.side.voltage_v(), self.side.hold_ms());
         }
     }
+}
+
+/// Real-time: no.
+fn is_other_version(bytes: &[u8]) -> bool {
+    matches!(Command::decode(bytes), Err(FrameError::Version { .. })) && is_command(bytes)
 }
