@@ -15,6 +15,7 @@ mod emit;
 mod error;
 mod extended;
 mod fault;
+pub mod frame;
 mod hash;
 mod matrices;
 mod misfit;

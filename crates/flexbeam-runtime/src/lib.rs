@@ -4,10 +4,20 @@
 //! Deliberately absent: design, identification, drawing; linear algebra in the real-time thread.
 
 pub mod back_end;
+pub mod framed;
+pub mod line;
+pub mod port;
+pub mod rig_side;
+pub mod serial;
+pub mod served_rig;
+pub mod udp;
+pub mod wire;
+
 mod cause;
 mod clock;
 mod controls;
 mod dry_run;
+mod exchange;
 mod frozen;
 mod homing;
 mod kernel_settings;

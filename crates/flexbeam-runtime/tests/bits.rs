@@ -1,6 +1,6 @@
 //! Same controller, same seed: the real-time run in the process gives the bits of the simulation.
 
-mod support;
+mod scripted;
 
 use flexbeam_kernel::{Controller, Law, Settings};
 use flexbeam_rig::{RigParameters, SimulatedRig, closed_loop};
@@ -9,7 +9,7 @@ use flexbeam_runtime::{
     ControllerData, Live, LiveControl, Monotonic, Phase, Reference, Sample, Session, Setup, Shape, SimulatedBackEnd,
 };
 use std::sync::mpsc;
-use support::{Ear, Scripted, Virtual, armed, simulated};
+use scripted::{Ear, Scripted, Virtual, armed, simulated};
 
 /// A stable controller with memory: a filtered proportional feedback whose model follows v.
 fn controller() -> ControllerData {

@@ -1,6 +1,6 @@
 //! Every way in which a run ends, by doing it: the rig is at 0 V within the period in which the end began.
 
-mod support;
+mod scripted;
 
 use flexbeam_kernel::Fault;
 use flexbeam_rig::Measurement;
@@ -8,7 +8,7 @@ use flexbeam_runtime::back_end::{Answer, LinkFault};
 use flexbeam_runtime::{Cause, Controls, FrozenLimit, Outcome, Phase, RunFault, Session, Setup};
 use std::sync::mpsc;
 use std::time::Duration;
-use support::{DRY_SLEEPS, Ear, Log, Scripted, Virtual, alive, armed, open_loop, still};
+use scripted::{DRY_SLEEPS, Ear, Log, Scripted, Virtual, alive, armed, open_loop, still};
 
 /// Runs to the end on a virtual clock.
 fn run(rig: Scripted, setup: Setup, late_ns: Vec<(u64, u64)>) -> (Outcome, Ear, Vec<(Option<u64>, f64)>) {

@@ -1,6 +1,6 @@
 //! Homing and the sign check on simulated rigs: right ones, and ones that are wired the wrong way round.
 
-mod support;
+mod scripted;
 
 use flexbeam_kernel::Settings;
 use flexbeam_rig::{Gauge, Measurement, RigParameters, Sensors, SimulatedRig};
@@ -10,7 +10,7 @@ use flexbeam_runtime::{
     open_loop_setup, sign_check_voltages, signs_of, zero_of,
 };
 use std::sync::Arc;
-use support::Scripted;
+use scripted::Scripted;
 
 /// How a rig is wired: factors of voltage, encoder and gauge.
 type Wiring = [f64; 3];

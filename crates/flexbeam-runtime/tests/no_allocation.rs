@@ -1,7 +1,7 @@
 //! The loop's thread allocates nothing and meets no page fault after its first tick, with a recorder and changes of settings
 //! beside it. Counted, on the real clock.
 
-mod support;
+mod scripted;
 
 use flexbeam_rig::SimulatedRig;
 use flexbeam_runtime::back_end::{Answer, BackEnd, Counters, Cutoff, LinkFault, OpenError, Timing};
@@ -10,7 +10,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
-use support::{Ear, open_loop, simulated};
+use scripted::{Ear, open_loop, simulated};
 
 struct Counting;
 

@@ -1,164 +1,74 @@
-//! Rigs and clocks for the loop's tests.
-#![allow(dead_code, reason = "each test uses a part")]
+//! What several tests need: a simulated rig served by a thread, and a loop without a clock.
 
-use flexbeam_kernel::Settings;
+#![allow(dead_code, reason = "each test file uses a part of it")]
+
+pub mod relay;
+
 use flexbeam_rig::{Measurement, RigParameters, SimulatedRig};
-use flexbeam_runtime::back_end::{Answer, BackEnd, Counters, Cutoff, LinkFault, OpenError, Timing};
-use flexbeam_runtime::{
-    Clock, ControllerData, Live, Reference, RunEvent, RunReport, Sample, Session, Setup, Sink, SinkError,
-};
+use flexbeam_runtime::back_end::{Answer, BackEnd, LinkFault, Timing};
+use flexbeam_runtime::served_rig::{ServeOptions, ServedReport, serve};
+use flexbeam_runtime::wire::Wire;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
 
-/// A clock whose sleeps take no time; `late_ns` is added to the sleeps that it names.
-#[derive(Clone, Default)]
-pub struct Virtual {
-    pub now_ns: u64,
-    pub sleeps: u64,
-    /// (sleep, how late [ns]).
-    pub late_ns: Vec<(u64, u64)>,
+/// Long enough for a machine that stalls: no test here measures lateness.
+pub const PATIENT: Timing = Timing { period_s: 0.001, wait_s: 5.0, hold_s: 30.0 };
+
+pub const NOISE_SEED: u64 = 7;
+
+pub fn rig() -> SimulatedRig {
+    SimulatedRig::new(&RigParameters::default(), NOISE_SEED).unwrap()
 }
 
-impl Clock for Virtual {
-    fn now_ns(&self) -> u64 {
-        self.now_ns
+/// A voltage that keeps the beam swinging, through the dead zone and back.
+pub fn voltage_v(k: u64) -> f64 {
+    let t = k as f64 * 0.001;
+    3.0 * (11.0 * t).sin() + 0.7 * (71.0 * t).cos()
+}
+
+/// A rig behind a wire, on a thread of its own.
+pub struct Serving {
+    stop: Arc<AtomicBool>,
+    thread: JoinHandle<ServedReport>,
+}
+
+impl Serving {
+    pub fn start(mut wire: impl Wire + 'static, options: ServeOptions) -> Serving {
+        let stop = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&stop);
+        let thread = std::thread::spawn(move || serve(rig(), &mut wire, options, &flag).unwrap());
+        Serving { stop, thread }
     }
-    fn sleep_until(&mut self, deadline_ns: u64) {
-        let late = self.late_ns.iter().find(|(sleep, _)| *sleep == self.sleeps).map_or(0, |late| late.1);
-        self.now_ns = self.now_ns.max(deadline_ns) + late;
-        self.sleeps += 1;
-    }
-}
 
-/// Sleeps of the dry run at a period of 1 ms, before the loop's own.
-pub const DRY_SLEEPS: u64 = 200;
-
-/// What reached the rig, in order; `zero` is logged as instant `None`.
-pub type Log = Arc<Mutex<Vec<(Option<u64>, f64)>>>;
-
-/// What a rig is to do at an instant, with a voltage.
-type Script = Box<dyn FnMut(u64, f64) -> Result<Answer, LinkFault> + Send>;
-
-/// A rig that follows a script and logs every voltage.
-pub struct Scripted {
-    pub log: Log,
-    pub script: Script,
-    pub cut: Arc<AtomicBool>,
-}
-
-struct Cut {
-    log: Log,
-    cut: Arc<AtomicBool>,
-}
-
-impl Cutoff for Cut {
-    fn cut(&self) {
-        self.cut.store(true, Ordering::SeqCst);
-        self.log.lock().unwrap().push((None, 0.0));
+    /// Ends the thread, and with it the wire.
+    pub fn end(self) -> ServedReport {
+        self.stop.store(true, Ordering::Release);
+        self.thread.join().unwrap()
     }
 }
 
-impl Scripted {
-    pub fn new(mut script: impl FnMut(u64) -> Result<Answer, LinkFault> + Send + 'static) -> Scripted {
-        Scripted::with_voltage(move |instant, _| script(instant))
-    }
-
-    pub fn with_voltage(script: impl FnMut(u64, f64) -> Result<Answer, LinkFault> + Send + 'static) -> Scripted {
-        Scripted { log: Log::default(), script: Box::new(script), cut: Arc::default() }
-    }
+/// As the loop does it: at instant k the voltage of k - 1 goes out, 0 V at first.
+pub fn delayed_voltage_v(k: u64) -> f64 {
+    k.checked_sub(1).map_or(0.0, voltage_v)
 }
 
-impl BackEnd for Scripted {
-    fn exchange(&mut self, instant: u64, voltage_v: f64) -> Result<Answer, LinkFault> {
-        if self.cut.load(Ordering::SeqCst) {
-            return Err(LinkFault::CutOff);
-        }
-        self.log.lock().unwrap().push((Some(instant), voltage_v));
-        (self.script)(instant, voltage_v)
-    }
-    fn zero(&mut self) -> Result<(), LinkFault> {
-        self.log.lock().unwrap().push((None, 0.0));
-        Ok(())
-    }
-    fn prepare(&mut self, _timing: Timing) -> Result<(), OpenError> {
-        Ok(())
-    }
-    fn cutoff(&self) -> Option<Box<dyn Cutoff>> {
-        Some(Box::new(Cut { log: self.log.clone(), cut: self.cut.clone() }))
-    }
-    fn counters(&self) -> Counters {
-        Counters::default()
-    }
-    fn name(&self) -> String {
-        "scripted".into()
-    }
+/// Exchanges 0 to `count` - 1.
+pub fn exchanges(back_end: &mut impl BackEnd, count: u64) -> Vec<Result<Answer, LinkFault>> {
+    (0..count).map(|k| back_end.exchange(k, delayed_voltage_v(k))).collect()
 }
 
-/// A rig that answers as the simulated one does.
-pub fn simulated(seed: u64) -> SimulatedRig {
-    SimulatedRig::new(&RigParameters::default(), seed).unwrap()
+/// What a rig in this process reads under the same voltages.
+pub fn in_process(count: u64) -> Vec<Measurement> {
+    let mut rig = rig();
+    let one = |k| {
+        let measurement = rig.measure();
+        rig.apply(delayed_voltage_v(k));
+        measurement
+    };
+    (0..count).map(one).collect()
 }
 
-pub fn still() -> Answer {
-    Answer::Fresh(Measurement { theta_rad: 0.0, alpha_rad: 0.0 })
-}
-
-/// Readings of which no two are alike.
-pub fn alive(instant: u64) -> Answer {
-    Answer::Fresh(Measurement { theta_rad: 1e-6 * (instant % 1000) as f64, alpha_rad: 0.0 })
-}
-
-/// Everything a sink hears.
-#[derive(Default)]
-pub struct Heard {
-    pub samples: Vec<Sample>,
-    pub settings: Vec<(u64, Live)>,
-    pub events: Vec<RunEvent>,
-    pub flushes: usize,
-    pub reports: Vec<RunReport>,
-}
-
-#[derive(Clone, Default)]
-pub struct Ear(pub Arc<Mutex<Heard>>);
-
-impl Sink for Ear {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.0.lock().unwrap().samples.push(*sample);
-        Ok(())
-    }
-    fn settings(&mut self, instant: u64, live: &Live) -> Result<(), SinkError> {
-        self.0.lock().unwrap().settings.push((instant, live.clone()));
-        Ok(())
-    }
-    fn event(&mut self, event: &RunEvent) -> Result<(), SinkError> {
-        self.0.lock().unwrap().events.push(event.clone());
-        Ok(())
-    }
-    fn flush(&mut self) -> Result<(), SinkError> {
-        self.0.lock().unwrap().flushes += 1;
-        Ok(())
-    }
-    fn finish(&mut self, report: &RunReport) -> Result<(), SinkError> {
-        self.0.lock().unwrap().reports.push(report.clone());
-        Ok(())
-    }
-}
-
-/// A first set with the reference as the voltage [V].
-pub fn constant(voltage_v: f64) -> Live {
-    let settings = Settings { deflection_limit_rad: 0.5, ..Settings::default() };
-    let reference = Reference { amplitude_rad: voltage_v, delay_s: 0.0, ..Reference::default() };
-    Live { revision: 0, settings, reference }
-}
-
-/// u = v at 1 kHz.
-pub fn open_loop(voltage_v: f64) -> Setup {
-    Setup::new(ControllerData::pass_through(), constant(voltage_v), 1e-3)
-}
-
-/// Arms on a virtual clock with an ear.
-pub fn armed(back_end: impl BackEnd + 'static, setup: Setup, clock: Virtual) -> (Session, Ear) {
-    let ear = Ear::default();
-    let session = Session::arm_on(clock, Box::new(back_end), setup, vec![Box::new(ear.clone())]).unwrap();
-    (session, ear)
+pub fn bits(measurement: Measurement) -> [u64; 2] {
+    [measurement.theta_rad.to_bits(), measurement.alpha_rad.to_bits()]
 }
