@@ -207,7 +207,7 @@ pub fn csv_text(signals: &Signals, time_s: Option<&[f64]>) -> String {
     }
     text.push('\n');
     for k in 0..signals.samples() {
-        let time = time_s.map_or_else(|| instant(k, signals.period_s), |time_s| time_s[k]);
+        let time = time_s.map_or_else(|| instant(k as u64, signals.period_s), |time_s| time_s[k]);
         push(&mut text, format_args!("{time:?}"));
         for value in signals.data.column(k) {
             push(&mut text, format_args!(",{value:?}"));
@@ -225,7 +225,7 @@ fn push(text: &mut String, arguments: std::fmt::Arguments<'_>) {
 ///
 /// NUMERICS: where a whole number of samples makes a second, k / rate is the correctly rounded instant (0.009, where
 /// 9 * 0.001 is 0.009000000000000001) and prints short.
-fn instant(k: usize, period_s: f64) -> f64 {
+pub(crate) fn instant(k: u64, period_s: f64) -> f64 {
     let rate = period_s.recip().round();
     if rate > 0.0 && rate.recip() == period_s { k as f64 / rate } else { k as f64 * period_s }
 }

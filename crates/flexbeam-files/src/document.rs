@@ -5,6 +5,7 @@ use crate::error::{Error, Tried};
 use crate::fault::Fault;
 use crate::misfit::{Misfit, Step};
 use crate::provenance::Provenance;
+use crate::run_file::RunOrigin;
 use crate::tree::Node;
 use crate::write::{Overwrite, Written, check_free_for_schema, read_bytes, write_bytes};
 use serde::Serialize;
@@ -137,7 +138,7 @@ fn located(root: &DeValue<'_>, path: &[Step]) -> Option<usize> {
     offset
 }
 
-/// The schema that a file names; nothing for a recording or any other file that is not a document.
+/// The schema that a file names; nothing for a recording in CSV or any other file that names none.
 ///
 /// Errors: those of [`read_bytes`]; [`Fault::Syntax`] for a document that is damaged.
 pub fn schema_of(path: &Path) -> Result<Option<String>, Error> {
@@ -147,7 +148,7 @@ pub fn schema_of(path: &Path) -> Result<Option<String>, Error> {
             let table = parse_table(text, path, Tried::Read)?;
             Ok(table.get(SCHEMA_KEY).and_then(|schema| schema.as_ref().as_str()).map(String::from))
         }
-        _ => Ok(None),
+        _ => Ok(RunOrigin::of(&bytes).map(|run| run.schema)),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Each thing that can be wrong with a file, as found and needed.
 
+use crate::run_file::RunFault;
 use std::io;
 
 /// What is wrong; every variant carries its numbers.
@@ -196,6 +197,8 @@ pub enum Fault {
         /// The key, with its tables.
         key: String,
     },
+    /// A recording of a run in which something is wrong.
+    Run(RunFault),
     /// A file that stands already, with other content.
     Exists,
     /// A folder where a file was meant.
@@ -251,6 +254,7 @@ impl Fault {
             Fault::Shape { key, found_rows, found_columns, .. } => format!("{key} is {found_rows} x {found_columns}"),
             Fault::Length { key, found, .. } => format!("{key} has {}", counted(*found, "entry", "")),
             Fault::EmptyList { key } => format!("nothing in {key}"),
+            Fault::Run(fault) => fault.found(),
             Fault::Exists => "a file of that name with other content".into(),
             Fault::IsFolder => "a folder".into(),
             Fault::NoFile => "no file of that name".into(),
@@ -290,6 +294,7 @@ impl Fault {
             Fault::Shape { needed_rows, needed_columns, .. } => format!("{needed_rows} x {needed_columns}"),
             Fault::Length { needed, .. } => needed.to_string(),
             Fault::EmptyList { .. } => "at least one entry".into(),
+            Fault::Run(fault) => fault.needed(),
             Fault::Exists => "a name that is free".into(),
             Fault::IsFolder => "a file".into(),
             Fault::NoFile => "an existing file".into(),
@@ -338,6 +343,7 @@ impl Fault {
                 "A has a row for each state, B a column for each input, C a row for each output; rows are equally long"
                     .into()
             }
+            Fault::Run(fault) => fault.hint(),
             Fault::Exists => "choose another name, or allow replacing it with --force".into(),
             Fault::IsFolder => "name a file in it".into(),
             Fault::NoFile => "paths count from the folder where the command runs".into(),

@@ -17,6 +17,7 @@ mod extended;
 mod fault;
 pub mod frame;
 mod hash;
+mod mat;
 mod matrices;
 mod misfit;
 mod model;
@@ -26,6 +27,7 @@ mod provenance;
 mod recording;
 mod results;
 mod rig;
+mod run_file;
 mod settings;
 mod stiffness;
 mod summary;
@@ -41,6 +43,7 @@ pub use error::{Error, Place, Tried};
 pub use extended::Extended;
 pub use fault::Fault;
 pub use hash::sha256_hex;
+pub use mat::{MatVariable, mat_bytes, mat_name, mat_variables};
 pub use matrices::{Matrices, Rows, pairs};
 pub use misfit::Misfit;
 pub use model::{Axis, Identification, Model, Physical, Uncertainty, Validation};
@@ -49,12 +52,16 @@ pub use project::Project;
 pub use provenance::{Parent, Provenance, State, Step, trace};
 pub use recording::{FEWEST_ROWS, Layout, PERIOD_TOLERANCE, Recording, STEP_TOLERANCE, write_signals};
 pub use results::{
-    ColumnSummary, DesignResult, DistributedBeam, Figure, IdentifyResult, MonteCarlo, RationalCoefficients,
+    ColumnSummary, DesignResult, DistributedBeam, ExportResult, Figure, IdentifyResult, MonteCarlo, RationalCoefficients,
     RecordResult, RecordingSummary, ReferenceModel, RigTestResult, SampledRadius, ShowResult, SimulateResult,
     SolvabilityResult, Spread, VerifyResult, json_text,
 };
 pub use rig::{Rig, RigActuator, RigEncoder, RigFriction, RigGauge, RigLink, RigLumped, RigPhysical, Sees};
+pub use run_file::{
+    CutOff, LiveSettings, RUN_SCHEMA, RunColumns, RunEvent, RunFault, RunFile, RunHeader, RunPhase, RunRecording, RunReference, RunSample,
+    RunShape, RunSummary, RunWriter, Stretch,
+};
 pub use settings::{Channel, Law, Settings};
 pub use stiffness::{NoStiffness, Stiffness};
 pub use summary::{DirectionSummary, IdentificationSummary, LawSummary, PlantTable, ReproduceSummary};
-pub use write::{Overwrite, Written, check_free, read_bytes, write_bytes};
+pub use write::{Overwrite, Written, check_free, check_free_for_mat, read_bytes, write_bytes};

@@ -8,6 +8,7 @@ use crate::document::{SCHEMA_KEY, looks_like_toml, parse_table};
 use crate::error::{Error, Tried};
 use crate::hash::sha256_hex;
 use crate::note::Note;
+use crate::run_file::RunOrigin;
 use crate::tree::Node;
 use crate::write::read_bytes;
 use serde::{Deserialize, Serialize};
@@ -87,8 +88,8 @@ pub struct Step {
 /// Walks from a file back to what it was made of, depth first: a controller, its model, the model's recording.
 ///
 /// Reads any version of any schema that has the tables `provenance`. A file that changed is walked on from as it stands
-/// now; a file that was met already is listed, but not walked on from again. A recording's parents stand in the
-/// [`Note`] beside it, which counts only while the recording is the one it was written for.
+/// now; a file that was met already is listed, but not walked on from again. The parents of a recording in CSV stand in the
+/// [`Note`] beside it, which counts only while the recording is the one it was written for; those of a run, in its metadata.
 ///
 /// Errors: those of [`read_bytes`], for the start only.
 pub fn trace(path: &Path) -> Result<Vec<Step>, Error> {
@@ -148,8 +149,11 @@ struct Origin {
 }
 
 impl Origin {
-    /// What `bytes` say, or the note beside `path` when they are a recording.
+    /// What `bytes` say, or the note beside `path` when they are a recording that cannot.
     fn of(path: &Path, bytes: &[u8]) -> Origin {
+        if let Some(RunOrigin { schema, provenance }) = RunOrigin::of(bytes) {
+            return Origin { schema: Some(schema), provenance };
+        }
         match std::str::from_utf8(bytes) {
             Ok(text) if looks_like_toml(text) => Origin::in_document(text, path),
             _ => Origin::in_note(path, bytes),

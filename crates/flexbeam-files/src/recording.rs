@@ -1,6 +1,6 @@
 //! Recordings: what was measured on a rig, sample by sample.
 //!
-//! Enters: text files of any of the kinds that `csv` reads. Leaves: [`Recording`], with its period established and
+//! Enters: text files of any of the kinds that `csv` reads, and recordings of runs. Leaves: [`Recording`], with its period established and
 //! its names taken apart. Deliberately absent: filtering, resampling, filling of gaps.
 
 use crate::columns::{ColumnName, nearest};
@@ -8,6 +8,7 @@ use crate::csv;
 use crate::error::{Error, Tried};
 use crate::fault::Fault;
 use crate::hash::sha256_hex;
+use crate::run_file::{RunRecording, is_mcap};
 use crate::write::{Overwrite, Written, read_bytes, write_bytes};
 use flexbeam_lti::{Mat, Signals};
 use std::path::{Path, PathBuf};
@@ -46,6 +47,8 @@ pub struct Recording {
     pub source: PathBuf,
     /// SHA-256 of that file, in hexadecimal.
     pub sha256: String,
+    /// What a person should know: of a run with gaps, which part was taken.
+    pub notice: Option<String>,
 }
 
 impl Recording {
@@ -56,12 +59,16 @@ impl Recording {
         Recording::parse(&read_bytes(path)?, path, layout)
     }
 
-    /// The recording in `bytes`; `source` is for messages.
+    /// The recording in `bytes`, CSV or MCAP as their first bytes say; `source` is for messages.
+    ///
+    /// Of a run it is the longest stretch without a gap while the controller ran.
     ///
     /// Errors: [`Fault::NotText`], those of a table ([`Fault::Empty`], [`Fault::NoHeader`], [`Fault::EmptyName`],
     /// [`Fault::DuplicateName`], [`Fault::NamesAndColumns`], [`Fault::Ragged`], [`Fault::MissingValue`],
     /// [`Fault::NotANumber`], [`Fault::NotFinite`]), [`Fault::TooFewRows`], [`Fault::NoSignals`], and those of the
-    /// period ([`Fault::NoPeriod`], [`Fault::Period`], [`Fault::UnequalPeriods`], [`Fault::PeriodsDiffer`]).
+    /// period ([`Fault::NoPeriod`], [`Fault::Period`], [`Fault::UnequalPeriods`], [`Fault::PeriodsDiffer`]); for a run
+    /// those of [`RunRecording::parse`] and [`RunRecording::agreeing_with`], and [`Fault::Run`] with
+    /// [`RunFault::ShortStretch`](crate::RunFault::ShortStretch).
     ///
     /// ```
     /// use flexbeam_files::{Layout, Recording};
@@ -74,6 +81,10 @@ impl Recording {
     /// # Ok::<(), flexbeam_files::Error>(())
     /// ```
     pub fn parse(bytes: &[u8], source: &Path, layout: &Layout) -> Result<Recording, Error> {
+        if is_mcap(bytes) {
+            let run = RunRecording::parse(bytes, source)?.agreeing_with(layout)?;
+            return Recording::of_run(&run).map_err(|fault| Error::new(Tried::Read, source, fault));
+        }
         let text = decoded(bytes, source)?;
         let table = csv::parse(text, source, layout.columns.as_deref())?;
         let fault = |fault| Error::new(Tried::Read, source, fault);
@@ -84,7 +95,22 @@ impl Recording {
         })?;
         let units = names.iter().map(|name| ColumnName::of(name).unit.to_string()).collect();
         let signals = Signals { names, units, period_s, data };
-        Ok(Recording { signals, time_s, source: source.to_path_buf(), sha256: sha256_hex(bytes) })
+        Ok(Recording { signals, time_s, source: source.to_path_buf(), sha256: sha256_hex(bytes), notice: None })
+    }
+
+    /// The longest stretch of a run without a gap.
+    fn of_run(run: &RunRecording) -> Result<Recording, Fault> {
+        let stretch = run.longest_stretch();
+        stretch.check(FEWEST_ROWS)?;
+        let notices = run.cut_off_notice().into_iter().chain(stretch.notice(run.header.period_s));
+        let notices: Vec<String> = notices.collect();
+        Ok(Recording {
+            signals: run.signals(stretch.samples.clone()),
+            time_s: Some(run.time_s(stretch.samples)),
+            source: run.source.clone(),
+            sha256: run.sha256.clone(),
+            notice: (!notices.is_empty()).then(|| notices.join("\n")),
+        })
     }
 
     /// The channels of these names, in this order.
@@ -110,6 +136,12 @@ impl Recording {
             let nearest = nearest(name, &available);
             Error::new(Tried::Select, &self.source, Fault::UnknownColumn { name: name.into(), available, nearest })
         })
+    }
+
+    /// When the samples were taken: the time column, or k times the period [s].
+    pub fn instants_s(&self) -> Vec<f64> {
+        let counted = || (0..self.signals.samples() as u64).map(|k| csv::instant(k, self.signals.period_s)).collect();
+        self.time_s.clone().unwrap_or_else(counted)
     }
 
     /// The same recording in SI units: `theta_deg` becomes `theta_rad`, `tip_mm` becomes `tip_m`.
@@ -208,11 +240,22 @@ fn period(time_s: Option<&[f64]>, given_s: Option<f64>) -> Result<f64, (Fault, O
     let in_file_s = time_s.map(uniform_period).transpose()?;
     match (in_file_s, given_s) {
         (None, None) => Err((Fault::NoPeriod, None)),
-        (Some(period_s), None) | (None, Some(period_s)) => Ok(period_s),
-        (Some(in_file_s), Some(given_s)) if (in_file_s - given_s).abs() > PERIOD_TOLERANCE * given_s => {
-            Err((Fault::PeriodsDiffer { in_file_s, given_s, tolerance: PERIOD_TOLERANCE }, None))
+        (None, Some(given_s)) => Ok(given_s),
+        (Some(in_file_s), given_s) => agreed(in_file_s, given_s).map_err(|fault| (fault, None)),
+    }
+}
+
+/// The file's period, or the one that was given where the two agree.
+///
+/// Errors: [`Fault::Period`], [`Fault::PeriodsDiffer`].
+pub(crate) fn agreed(in_file_s: f64, given_s: Option<f64>) -> Result<f64, Fault> {
+    match given_s {
+        None => Ok(in_file_s),
+        Some(period_s) if !(period_s > 0.0 && period_s.is_finite()) => Err(Fault::Period { period_s }),
+        Some(given_s) if (in_file_s - given_s).abs() > PERIOD_TOLERANCE * given_s => {
+            Err(Fault::PeriodsDiffer { in_file_s, given_s, tolerance: PERIOD_TOLERANCE })
         }
-        (Some(_), Some(given_s)) => Ok(given_s),
+        Some(given_s) => Ok(given_s),
     }
 }
 

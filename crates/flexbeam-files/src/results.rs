@@ -282,6 +282,27 @@ pub struct RigTestResult {
     pub applied_to: Option<String>,
 }
 
+/// `flexbeam export`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ExportResult {
+    /// The file that was written.
+    pub file: String,
+    /// Its SHA-256, in hexadecimal.
+    pub sha256: String,
+    /// `csv` or `mat`.
+    pub format: String,
+    /// The file it was made from.
+    pub source: String,
+    /// Columns of a CSV file, variables of a MATLAB file.
+    pub columns: Vec<String>,
+    /// Number of samples.
+    pub samples: usize,
+    /// Sample period [s].
+    pub period_s: f64,
+    /// What a person should know of the source; null when there is nothing.
+    pub notice: Option<String>,
+}
+
 /// `flexbeam show`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ShowResult<'a, T: Serialize> {

@@ -3,6 +3,8 @@
 use crate::document::SCHEMA_KEY;
 use crate::error::{Error, Tried};
 use crate::fault::Fault;
+use crate::mat::is_ours;
+use crate::run_file::RunOrigin;
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
@@ -12,8 +14,8 @@ use std::path::Path;
 pub enum Overwrite {
     /// Leave it alone and say so.
     Refuse,
-    /// Replace it if it is of the same kind: an older model by a model, a recording by a recording. A file that a
-    /// person wrote, or of which flexbeam knows nothing, stays.
+    /// Replace it if it is of the same kind: an older model by a model, a recording by a recording, a run by a run. A file
+    /// that a person wrote, or of which flexbeam knows nothing, stays.
     SameKind,
     /// Replace it (`--force`).
     Allow,
@@ -65,6 +67,39 @@ pub(crate) fn check_free_for_schema(schema: &str, path: &Path, overwrite: Overwr
     check_free_for(Kind::of_schema(schema), path, overwrite)
 }
 
+/// As [`check_free`], for the recording of a run.
+pub(crate) fn check_free_for_run(path: &Path, overwrite: Overwrite) -> Result<(), Error> {
+    check_free_for(Kind::Run, path, overwrite)
+}
+
+/// As [`check_free`], for a MATLAB file.
+pub fn check_free_for_mat(path: &Path, overwrite: Overwrite) -> Result<(), Error> {
+    check_free_for(Kind::Mat, path, overwrite)
+}
+
+/// Gives the complete recording of a run at `part` its name.
+///
+/// Errors: as [`write_bytes`]; the part then stays.
+pub(crate) fn rename_run(part: &Path, path: &Path, overwrite: Overwrite) -> Result<Written, Error> {
+    check_free_for_run(path, overwrite)?;
+    let outcome = if path.exists() { Written::Replaced } else { Written::New };
+    let renamed = match overwrite {
+        Overwrite::Refuse => rename_to_free_name(part, path),
+        Overwrite::SameKind | Overwrite::Allow => fs::rename(part, path),
+    };
+    renamed.map_err(|error| refused(Tried::Write, path, &error))?;
+    Ok(outcome)
+}
+
+/// Errors: [`io::ErrorKind::AlreadyExists`] where a file has come to stand there since it was asked.
+fn rename_to_free_name(part: &Path, path: &Path) -> io::Result<()> {
+    let part = tempfile::TempPath::try_from_path(part)?;
+    part.persist_noclobber(path).map_err(|refused| match refused.path.keep() {
+        Ok(_) => refused.error,
+        Err(kept) => kept.error,
+    })
+}
+
 fn check_free_for(new: Kind<'_>, path: &Path, overwrite: Overwrite) -> Result<(), Error> {
     let permitted = standing(path)?.is_none_or(|old| overwrite.permits_kind(Kind::of(&old), Some(new)));
     if permitted { Ok(()) } else { Err(Error::new(Tried::Write, path, Fault::Exists)) }
@@ -89,12 +124,22 @@ impl Overwrite {
 enum Kind<'a> {
     /// CSV with the time first, as recordings are written.
     Recording,
+    /// MCAP with our metadata. Apart from CSV, so that an export cannot take the place of what it was made from.
+    Run,
+    /// A MATLAB file that says in its head that it is ours.
+    Mat,
     /// A document of this schema, whatever its version.
     Document(&'a str),
 }
 
 impl<'a> Kind<'a> {
     fn of(bytes: &'a [u8]) -> Option<Kind<'a>> {
+        if RunOrigin::of(bytes).is_some() {
+            return Some(Kind::Run);
+        }
+        if is_ours(bytes) {
+            return Some(Kind::Mat);
+        }
         let text = std::str::from_utf8(bytes).ok()?;
         let first = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#'))?;
         match first.split_once('=') {

@@ -1,5 +1,7 @@
 //! The command line as types. Names, defaults and units of DESIGN section 10.
 
+mod export;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -7,6 +9,7 @@ use flexbeam_ident::Order;
 
 use crate::nominal::Nominal;
 use crate::rig_test::RAMP;
+pub use export::{Export, Form};
 
 /// Model, identify, design, verify and simulate a robust controller for a flexible beam on a servo motor.
 #[derive(Debug, Parser)]
@@ -44,6 +47,8 @@ pub enum Command {
         #[command(subcommand)]
         command: Rig,
     },
+    /// A recording as CSV or for MATLAB
+    Export(Export),
     /// What a file holds and where it came from
     Show(Show),
 }
@@ -97,7 +102,7 @@ pub struct Record {
 /// `flexbeam identify`
 #[derive(Args, Debug)]
 pub struct Identify {
-    /// Recording: CSV with a header, or white-space columns named by --columns
+    /// Recording: CSV with a header, white-space columns named by --columns, or the MCAP file of a run
     pub recording: PathBuf,
     /// Input columns
     #[arg(long, value_delimiter = ',', default_value = "voltage_v")]

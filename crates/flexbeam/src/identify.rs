@@ -47,7 +47,11 @@ pub(crate) struct Found {
 pub fn run(arguments: &cli::Identify) -> Result<(), Failure> {
     let replace = overwrite::<Model>(&arguments.out, arguments.force)?;
     let sign = waiting("reading the recording");
-    let experiment = Experiment::read(arguments)?;
+    let recording = recording(arguments)?;
+    if let Some(notice) = &recording.notice {
+        sign.suspend(|| eprintln!("{notice}"));
+    }
+    let experiment = Experiment::of(&recording, &arguments.inputs, &arguments.outputs)?;
     let options = options(arguments);
     sign.set_message("identifying");
     let found = Found::of(&experiment, &options)
@@ -95,14 +99,13 @@ fn method_name(method: flexbeam_ident::Method) -> &'static str {
     }
 }
 
-impl Experiment {
-    fn read(arguments: &cli::Identify) -> Result<Experiment, Failure> {
-        let columns = Some(arguments.columns.clone()).filter(|columns| !columns.is_empty());
-        let layout = Layout { columns, period_s: arguments.period };
-        let recording = Recording::read(&arguments.recording, &layout)?.into_si();
-        Experiment::of(&recording, &arguments.inputs, &arguments.outputs)
-    }
+fn recording(arguments: &cli::Identify) -> Result<Recording, Failure> {
+    let columns = Some(arguments.columns.clone()).filter(|columns| !columns.is_empty());
+    let layout = Layout { columns, period_s: arguments.period };
+    Ok(Recording::read(&arguments.recording, &layout)?.into_si())
+}
 
+impl Experiment {
     /// The columns of these names; `theta_deg` is found as `theta_rad`, in SI units as the recording is.
     ///
     /// Errors: a column that is not there, or is named twice.

@@ -6,6 +6,7 @@
 pub mod cli;
 mod controller_file;
 mod design;
+mod export;
 mod failure;
 mod identify;
 mod law;
@@ -33,6 +34,7 @@ pub fn run(cli: cli::Cli) -> Result<(), Failure> {
         cli::Command::Verify(arguments) => verify::run(&arguments),
         cli::Command::Simulate(arguments) => simulate::run(&arguments),
         cli::Command::Rig { command: cli::Rig::Test(arguments) } => rig_test::run(&arguments),
+        cli::Command::Export(arguments) => export::run(&arguments),
         cli::Command::Show(arguments) => show::run(&arguments),
     }
 }

@@ -4,21 +4,22 @@
 //! Deliberately absent: judgement; `flexbeam verify` gives that.
 
 mod holds;
+mod run;
 
 use std::path::Path;
 
 use flexbeam_files::{
-    Certificate, ColumnSummary, Controller, Document, Error, Fault, Layout, Model, Note, Project, Recording,
-    RecordingSummary, Rig, ShowResult, State, Step, Tried, json_text, pairs, schema_of, trace,
+    Certificate, ColumnSummary, Controller, Document, Error, Fault, Layout, Model, Note, Project, RUN_SCHEMA,
+    Recording, RecordingSummary, Rig, RunRecording, ShowResult, State, Step, Tried, json_text, pairs, schema_of, trace,
 };
-use flexbeam_lti::StateSpace;
+use flexbeam_lti::{Signals, StateSpace};
 
 use crate::rig_file::rig_parameters;
 use crate::{Failure, cli};
 
 /// The schemas that can be shown.
-const SCHEMAS: [&str; 6] =
-    [Model::SCHEMA, Controller::SCHEMA, Certificate::SCHEMA, Rig::SCHEMA, Project::SCHEMA, Note::SCHEMA];
+const SCHEMAS: [&str; 7] =
+    [Model::SCHEMA, Controller::SCHEMA, Certificate::SCHEMA, Rig::SCHEMA, Project::SCHEMA, Note::SCHEMA, RUN_SCHEMA];
 
 /// `flexbeam show`.
 pub fn run(arguments: &cli::Show) -> Result<(), Failure> {
@@ -33,6 +34,7 @@ pub fn run(arguments: &cli::Show) -> Result<(), Failure> {
         }
         Some(Project::SCHEMA) => document(arguments, holds::project),
         Some(Note::SCHEMA) => document(arguments, holds::note),
+        Some(RUN_SCHEMA) => of_run(arguments),
         Some(schema) => Err(unknown(file, schema).into()),
         None => recording(arguments),
     }
@@ -66,16 +68,29 @@ fn system(model: &Model) -> Result<StateSpace, flexbeam_lti::Error> {
 }
 
 fn recording(arguments: &cli::Show) -> Result<(), Failure> {
-    let columns = Some(arguments.columns.clone()).filter(|columns| !columns.is_empty());
-    let content = Recording::read(&arguments.file, &Layout { columns, period_s: arguments.period })?;
-    let summary = summary(&content);
+    let content = Recording::read(&arguments.file, &layout(arguments))?;
+    let signals = &content.signals;
+    let summary =
+        RecordingSummary { samples: signals.samples(), period_s: signals.period_s, columns: columns(signals) };
     let json =
         |file, history| json_text(&ShowResult { file, schema: Note::SCHEMA, content: &summary, poles: None, history });
     answer(arguments, Note::SCHEMA, json, || holds::recording(&summary))
 }
 
-fn summary(recording: &Recording) -> RecordingSummary {
-    let signals = &recording.signals;
+fn of_run(arguments: &cli::Show) -> Result<(), Failure> {
+    let content = RunRecording::read(&arguments.file)?.agreeing_with(&layout(arguments))?;
+    let summary = content.summary(columns(&content.signals(0..content.samples.samples())));
+    let json =
+        |file, history| json_text(&ShowResult { file, schema: RUN_SCHEMA, content: &summary, poles: None, history });
+    answer(arguments, RUN_SCHEMA, json, || run::run(&summary))
+}
+
+fn layout(arguments: &cli::Show) -> Layout {
+    let columns = Some(arguments.columns.clone()).filter(|columns| !columns.is_empty());
+    Layout { columns, period_s: arguments.period }
+}
+
+fn columns(signals: &Signals) -> Vec<ColumnSummary> {
     let columns = signals.names.iter().zip(signals.data.row_iter()).map(|(name, row)| ColumnSummary {
         name: name.clone(),
         min: row.min(),
@@ -83,7 +98,7 @@ fn summary(recording: &Recording) -> RecordingSummary {
         mean: row.mean(),
         std: row.variance().sqrt(),
     });
-    RecordingSummary { samples: signals.samples(), period_s: signals.period_s, columns: columns.collect() }
+    columns.collect()
 }
 
 fn answer(

@@ -13,7 +13,7 @@ use crate::identify::physical_table;
 use crate::poles;
 
 /// Digits of a figure that a person compares.
-const DIGITS: usize = 5;
+pub(super) const DIGITS: usize = 5;
 
 /// Names and what stands behind them; nothing for what a file does not say.
 fn facts<'a>(rows: impl IntoIterator<Item = (&'a str, Option<String>)>) -> String {
@@ -221,16 +221,21 @@ pub(super) fn note(note: &Note) -> String {
 
 /// Length and columns.
 pub(super) fn recording(recording: &RecordingSummary) -> String {
-    let columns = [("column", ""), ("smallest", ""), ("largest", ""), ("mean", ""), ("standard deviation", "")];
-    let table = recording.columns.iter().fold(Table::new(&columns), |table, column| {
+    format!("{}\n\n{}", length(recording.samples, recording.period_s), columns(&recording.columns))
+}
+
+/// A column a row.
+pub(super) fn columns(columns: &[ColumnSummary]) -> String {
+    let heads = [("column", ""), ("smallest", ""), ("largest", ""), ("mean", ""), ("standard deviation", "")];
+    let table = columns.iter().fold(Table::new(&heads), |table, column| {
         let ColumnSummary { name, min, max, mean, std } = column;
         let cell = |x: f64| Cell::number(x, DIGITS);
         table.row([name.as_str().into(), cell(*min), cell(*max), cell(*mean), cell(*std)])
     });
-    format!("{}\n\n{}", length(recording.samples, recording.period_s), table.text())
+    table.text()
 }
 
-fn length(samples: usize, period_s: f64) -> String {
+pub(super) fn length(samples: usize, period_s: f64) -> String {
     let length_s = samples as f64 * period_s;
     format!("{samples} samples every {}, {} s", engineering(period_s, 4, "s"), significant(length_s, 4))
 }
