@@ -4,3 +4,6 @@
 //! Deliberately absent: design, identification, drawing; linear algebra in the real-time thread.
 
 pub mod back_end;
+pub mod board;
+pub mod comedi;
+pub mod hil;
