@@ -194,7 +194,7 @@ impl HilRig {
 
     /// Tells the board what to do on expiry.
     fn arm(&mut self) -> Result<(), OpenError> {
-        let hint = "a board that is fixed to 0 V by itself: watchdog=fixed; one without watchdog: watchdog=none, and a hand on the emergency stop";
+        let hint = "watchdog=fixed for a board that goes to 0 V by itself, watchdog=none for one without watchdog";
         if self.port.watchdog == BoardWatchdog::Set {
             let set = self.card.set_analog_expiration(self.wiring.analog_output, 0.0);
             set.map_err(|code| self.card.refused("hil_watchdog_set_analog_expiration_state", code, hint))?;
