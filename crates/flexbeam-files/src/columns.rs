@@ -68,7 +68,7 @@ fn strip_unit<'a>(name: &'a str, unit: &str) -> Option<&'a str> {
 ///
 /// Numerics: Levenshtein distance without regard to case, at most a third of the name's length (2 at least), or one
 /// name contained in the other.
-pub(crate) fn nearest<S: AsRef<str>>(name: &str, candidates: &[S]) -> Option<String> {
+pub fn nearest<S: AsRef<str>>(name: &str, candidates: &[S]) -> Option<String> {
     let name = name.to_lowercase();
     let allowed = (name.chars().count() / 3).max(2);
     let distance = |candidate: &str| {

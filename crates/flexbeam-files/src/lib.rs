@@ -35,7 +35,7 @@ mod tree;
 mod write;
 
 pub use certificate::{Certificate, LoopFigures};
-pub use columns::ColumnName;
+pub use columns::{ColumnName, nearest};
 pub use controller::{Controller, Design};
 pub use csv::{LEFT_OUT, csv_text};
 pub use document::{Document, schema_of};

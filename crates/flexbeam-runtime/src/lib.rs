@@ -4,7 +4,10 @@
 //! Deliberately absent: design, identification, drawing; linear algebra in the real-time thread.
 
 pub mod back_end;
+pub mod board;
+pub mod comedi;
 pub mod framed;
+pub mod hil;
 pub mod line;
 pub mod port;
 pub mod rig_side;

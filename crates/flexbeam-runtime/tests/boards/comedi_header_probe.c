@@ -1,0 +1,2 @@
+/* Compiles where comedilib's header is installed. */
+#include <comedilib.h>
