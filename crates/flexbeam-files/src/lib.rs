@@ -28,10 +28,12 @@ mod recording;
 mod results;
 mod rig;
 mod run_file;
+mod run_result;
 mod settings;
 mod stiffness;
 mod summary;
 mod tree;
+mod wire;
 mod write;
 
 pub use certificate::{Certificate, LoopFigures};
@@ -52,16 +54,18 @@ pub use project::Project;
 pub use provenance::{Parent, Provenance, State, Step, trace};
 pub use recording::{FEWEST_ROWS, Layout, PERIOD_TOLERANCE, Recording, STEP_TOLERANCE, write_signals};
 pub use results::{
-    ColumnSummary, DesignResult, DistributedBeam, ExportResult, Figure, IdentifyResult, MonteCarlo, RationalCoefficients,
-    RecordResult, RecordingSummary, ReferenceModel, RigTestResult, SampledRadius, ShowResult, SimulateResult,
-    SolvabilityResult, Spread, VerifyResult, json_text,
+    ColumnSummary, DesignResult, DistributedBeam, ExportResult, Figure, IdentifyResult, MonteCarlo,
+    RationalCoefficients, RecordResult, RecordingSummary, ReferenceModel, RigTestResult, SampledRadius, ShowResult,
+    SimulateResult, SolvabilityResult, Spread, VerifyResult, json_text,
 };
 pub use rig::{Rig, RigActuator, RigEncoder, RigFriction, RigGauge, RigLink, RigLumped, RigPhysical, Sees};
 pub use run_file::{
-    CutOff, LiveSettings, RUN_SCHEMA, RunColumns, RunEvent, RunFault, RunFile, RunHeader, RunPhase, RunRecording, RunReference, RunSample,
-    RunShape, RunSummary, RunWriter, Stretch,
+    CutOff, LiveSettings, RUN_SCHEMA, RunColumns, RunEvent, RunFault, RunFile, RunHeader, RunPhase, RunRecording,
+    RunReference, RunSample, RunShape, RunSummary, RunWriter, Stretch,
 };
+pub use run_result::{LinkCounts, RunResult, TimeQuantiles};
 pub use settings::{Channel, Law, Settings};
 pub use stiffness::{NoStiffness, Stiffness};
 pub use summary::{DirectionSummary, IdentificationSummary, LawSummary, PlantTable, ReproduceSummary};
+pub use wire::{Reading, ReferenceChange, Reply, Request};
 pub use write::{Overwrite, Written, check_free, check_free_for_mat, read_bytes, write_bytes};

@@ -135,7 +135,8 @@ mod tests {
     #[test]
     fn elements_are_whole_eights() {
         let column = MatVariable::Column(vec![1.0, -0.0, f64::NAN]);
-        let bytes = mat_bytes(&[("theta_rad".into(), column), ("tool".into(), MatVariable::Text("é!".into()))]).unwrap();
+        let bytes =
+            mat_bytes(&[("theta_rad".into(), column), ("tool".into(), MatVariable::Text("é!".into()))]).unwrap();
         assert_eq!((bytes.len() % 8, &bytes[124..128], is_ours(&bytes)), (0, &[0, 1, b'I', b'M'][..], true));
         assert_eq!(bytes[128..132], 14u32.to_le_bytes());
         // Tags of the array and its parts, flags, dimensions, the padded name, three doubles.
@@ -148,7 +149,9 @@ mod tests {
 
     #[test]
     fn names_are_made_acceptable_and_must_differ() {
-        for (name, expected) in [("theta_rad", "theta_rad"), ("y; filtered", "y__filtered"), ("3rd", "x3rd"), ("_", "x_")] {
+        for (name, expected) in
+            [("theta_rad", "theta_rad"), ("y; filtered", "y__filtered"), ("3rd", "x3rd"), ("_", "x_")]
+        {
             assert_eq!(mat_name(name), expected);
         }
         assert_eq!(mat_name(&"a".repeat(100)).len(), 63);

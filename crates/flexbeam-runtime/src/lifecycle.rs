@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_those_of_the_recording() {
+    fn numbers_and_phases_belong_together() {
         for (number, phase) in Phase::ALL.into_iter().enumerate() {
             assert_eq!((phase as usize, Phase::of(number as u8)), (number, Some(phase)));
         }

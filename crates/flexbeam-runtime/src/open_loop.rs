@@ -9,7 +9,7 @@ use crate::live::Live;
 use crate::reference::{Reference, Shape};
 use crate::sample::Sample;
 use crate::session::{ControllerData, NotArmed, Outcome, Session, Setup};
-use crate::sink::{RunEvent, RunReport, Sink, SinkError};
+use crate::sink::{Sink, SinkError};
 use flexbeam_kernel as kernel;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -68,22 +68,6 @@ impl Sink for Kept {
             controls.stop();
         }
         lock(&self.samples).push(*sample);
-        Ok(())
-    }
-
-    fn settings(&mut self, _: u64, _: &Live) -> Result<(), SinkError> {
-        Ok(())
-    }
-
-    fn event(&mut self, _: &RunEvent) -> Result<(), SinkError> {
-        Ok(())
-    }
-
-    fn flush(&mut self) -> Result<(), SinkError> {
-        Ok(())
-    }
-
-    fn finish(&mut self, _: &RunReport) -> Result<(), SinkError> {
         Ok(())
     }
 }

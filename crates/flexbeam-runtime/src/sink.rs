@@ -82,14 +82,22 @@ pub trait Sink: Send {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError>;
 
     /// Settings that are in force from this instant on.
-    fn settings(&mut self, instant: u64, live: &Live) -> Result<(), SinkError>;
+    fn settings(&mut self, _instant: u64, _live: &Live) -> Result<(), SinkError> {
+        Ok(())
+    }
 
     /// Something happened.
-    fn event(&mut self, event: &RunEvent) -> Result<(), SinkError>;
+    fn event(&mut self, _event: &RunEvent) -> Result<(), SinkError> {
+        Ok(())
+    }
 
     /// Several times a second: what was taken must survive a power loss from here on.
-    fn flush(&mut self) -> Result<(), SinkError>;
+    fn flush(&mut self) -> Result<(), SinkError> {
+        Ok(())
+    }
 
     /// The run is over.
-    fn finish(&mut self, report: &RunReport) -> Result<(), SinkError>;
+    fn finish(&mut self, _report: &RunReport) -> Result<(), SinkError> {
+        Ok(())
+    }
 }

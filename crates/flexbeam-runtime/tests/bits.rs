@@ -8,8 +8,8 @@ use flexbeam_runtime::back_end::BackEnd;
 use flexbeam_runtime::{
     ControllerData, Live, LiveControl, Monotonic, Phase, Reference, Sample, Session, Setup, Shape, SimulatedBackEnd,
 };
-use std::sync::mpsc;
 use scripted::{Ear, Scripted, Virtual, armed, simulated};
+use std::sync::mpsc;
 
 /// A stable controller with memory: a filtered proportional feedback whose model follows v.
 fn controller() -> ControllerData {

@@ -6,9 +6,9 @@ use flexbeam_kernel::Fault;
 use flexbeam_rig::Measurement;
 use flexbeam_runtime::back_end::{Answer, LinkFault};
 use flexbeam_runtime::{Cause, Controls, FrozenLimit, Outcome, Phase, RunFault, Session, Setup};
+use scripted::{DRY_SLEEPS, Ear, Log, Scripted, Virtual, alive, armed, open_loop, still};
 use std::sync::mpsc;
 use std::time::Duration;
-use scripted::{DRY_SLEEPS, Ear, Log, Scripted, Virtual, alive, armed, open_loop, still};
 
 /// Runs to the end on a virtual clock.
 fn run(rig: Scripted, setup: Setup, late_ns: Vec<(u64, u64)>) -> (Outcome, Ear, Vec<(Option<u64>, f64)>) {

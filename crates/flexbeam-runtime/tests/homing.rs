@@ -9,8 +9,8 @@ use flexbeam_runtime::{
     ControllerData, Live, NotHomed, Reference, Sample, Setup, SignWatch, SignsAgree, SimulatedBackEnd, Zero, drive,
     open_loop_setup, sign_check_voltages, signs_of, zero_of,
 };
-use std::sync::Arc;
 use scripted::Scripted;
+use std::sync::Arc;
 
 /// How a rig is wired: factors of voltage, encoder and gauge.
 type Wiring = [f64; 3];

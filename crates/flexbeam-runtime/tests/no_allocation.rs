@@ -6,11 +6,11 @@ mod scripted;
 use flexbeam_rig::SimulatedRig;
 use flexbeam_runtime::back_end::{Answer, BackEnd, Counters, Cutoff, LinkFault, OpenError, Timing};
 use flexbeam_runtime::{Monotonic, Session, Setup, SimulatedBackEnd};
+use scripted::{Ear, open_loop, simulated};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
-use scripted::{Ear, open_loop, simulated};
 
 struct Counting;
 

@@ -56,8 +56,6 @@ pub struct RunReference {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RunShape {
-    /// The offset, all the time.
-    Constant,
     /// One step.
     Step,
     /// Up and down.
@@ -170,8 +168,7 @@ mod tests {
             theta: channel(),
             alpha: channel(),
         };
-        let reference =
-            RunReference { shape: RunShape::Sawtooth, amplitude_rad: 0.5, period_s: 2.0, offset_rad: 0.1 };
+        let reference = RunReference { shape: RunShape::Sawtooth, amplitude_rad: 0.5, period_s: 2.0, offset_rad: 0.1 };
         let live = LiveSettings { revision: 3, tick: 7, settings, reference };
         let event = RunEvent { tick: 1, time_s: 0.001, kind: "lost".into(), text: "an answer".into() };
         assert_same_keys(&serde_json::to_value(&live).unwrap(), &serde_json::from_str(SETTINGS.schema).unwrap());

@@ -87,9 +87,9 @@ mod tests {
     use super::*;
 
     fn with(records: &[(u8, &[u8])]) -> Vec<u8> {
-        let written = records.iter().flat_map(|(opcode, body)| {
-            [&[*opcode][..], &(body.len() as u64).to_le_bytes(), body].concat()
-        });
+        let written = records
+            .iter()
+            .flat_map(|(opcode, body)| [&[*opcode][..], &(body.len() as u64).to_le_bytes(), body].concat());
         MAGIC.iter().copied().chain(written).collect()
     }
 

@@ -255,7 +255,8 @@ mod tests {
     fn after_an_error_every_call_answers_with_it() {
         let mut disk = Disk { bytes: Cursor::new(Vec::new()), room: 20_000, full: 0 };
         let mut writer = RunWriter::new(&mut disk, &header()).unwrap();
-        let sample = |tick| RunSample { tick, u_v: (tick as f64).cos(), psi_rad: (tick as f64).sin(), ..Default::default() };
+        let sample =
+            |tick| RunSample { tick, u_v: (tick as f64).cos(), psi_rad: (tick as f64).sin(), ..Default::default() };
         let refused = (0..100_000).find_map(|tick| writer.sample(&sample(tick)).and_then(|()| writer.flush()).err());
         assert_eq!(refused, Some(ErrorKind::StorageFull));
         assert_eq!(writer.sample(&sample(0)), Err(ErrorKind::StorageFull));

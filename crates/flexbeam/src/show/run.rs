@@ -49,7 +49,6 @@ fn reference(reference: &RunReference) -> String {
     let number = |x: f64| significant(x, DIGITS);
     let degrees = |x: f64| number(x.to_degrees());
     match shape {
-        RunShape::Constant => format!("constant, {} degree", degrees(offset_rad)),
         RunShape::Step => format!("step of {} degree from {}", degrees(amplitude_rad), degrees(offset_rad)),
         RunShape::File => "samples of a file".into(),
         RunShape::Square | RunShape::Sine | RunShape::Sawtooth => {

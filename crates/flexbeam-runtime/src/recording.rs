@@ -1,0 +1,188 @@
+//! The recorder's file: what the loop says, as the messages of a run recording.
+
+use crate::back_end::Counters;
+use crate::cause::{Cause, RunFault};
+use crate::kernel_settings::table_of;
+use crate::lifecycle::Phase;
+use crate::live::Live;
+use crate::meter::Times;
+use crate::recorder::Recorded;
+use crate::reference::{Reference, Shape};
+use crate::sample::Sample;
+use crate::sink::{RunEvent, RunReport, Sink, SinkError};
+use flexbeam_files as files;
+use flexbeam_files::{
+    LinkCounts, LiveSettings, RunFile, RunPhase, RunReference, RunResult, RunSample, RunShape, TimeQuantiles,
+};
+use std::path::{Path, PathBuf};
+
+/// What a report does not know of itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunContext {
+    /// The rig.
+    pub port: String,
+    /// Sample period [s].
+    pub period_s: f64,
+    /// What was refused or set aside.
+    pub warnings: Vec<String>,
+}
+
+/// Writes a run's recording.
+pub struct RunSink {
+    /// Gone after it was finished.
+    file: Option<RunFile>,
+    path: PathBuf,
+    context: RunContext,
+}
+
+impl RunSink {
+    /// Real-time: no. Over a file that has just been begun; `path` is for messages.
+    pub fn new(file: RunFile, path: &Path, context: RunContext) -> RunSink {
+        RunSink { file: Some(file), path: path.to_path_buf(), context }
+    }
+
+    fn write(&mut self, what: impl FnOnce(&mut RunFile) -> Result<(), files::Error>) -> Result<(), SinkError> {
+        let written = self.file.as_mut().map_or(Ok(()), what);
+        written.map_err(|error| self.failed(&error))
+    }
+
+    fn failed(&self, error: &files::Error) -> SinkError {
+        SinkError { sink: self.path.display().to_string(), reason: error.to_string() }
+    }
+}
+
+impl Sink for RunSink {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.write(|file| file.sample(&run_sample(sample)))
+    }
+
+    fn settings(&mut self, instant: u64, live: &Live) -> Result<(), SinkError> {
+        let reference = run_reference(&live.reference);
+        let settings = table_of(&live.settings);
+        self.write(|file| file.settings(&LiveSettings { revision: live.revision, tick: instant, settings, reference }))
+    }
+
+    fn event(&mut self, event: &RunEvent) -> Result<(), SinkError> {
+        let RunEvent { instant, kind, text } = event;
+        let time_s = *instant as f64 * self.context.period_s;
+        let event = files::RunEvent { tick: *instant, time_s, kind: kind.name().into(), text: text.clone() };
+        self.write(|file| file.event(&event))
+    }
+
+    fn flush(&mut self) -> Result<(), SinkError> {
+        self.write(RunFile::flush)
+    }
+
+    fn finish(&mut self, report: &RunReport) -> Result<(), SinkError> {
+        let Some(file) = self.file.take() else { return Ok(()) };
+        let result = run_result(report, &Recorded::default(), &self.context, Some(&self.path));
+        file.finish(&result).map(drop).map_err(|error| self.failed(&error))
+    }
+}
+
+/// Real-time: no. How a run went, for answers and recordings.
+pub fn run_result(
+    report: &RunReport,
+    recorded: &Recorded,
+    context: &RunContext,
+    recording: Option<&Path>,
+) -> RunResult {
+    let meter = &report.meter;
+    let cause = match report.cause {
+        Cause::Over => "over",
+        Cause::Asked => "asked",
+        Cause::Fault(_) => "fault",
+    };
+    RunResult {
+        cause: cause.into(),
+        text: report.text.clone(),
+        port: context.port.clone(),
+        period_s: context.period_s,
+        ticks: meter.lateness.count(),
+        missed: meter.missed,
+        stale: meter.stale,
+        unrecorded: meter.unrecorded + recorded.refused,
+        link: link_counts(report.link),
+        lateness: quantiles(&meter.lateness),
+        execution: quantiles(&meter.execution),
+        tick: quantiles(&meter.tick),
+        page_faults: meter.page_faults.minor + meter.page_faults.major,
+        warnings: context.warnings.clone(),
+        recording: recording.map(|path| path.display().to_string()),
+    }
+}
+
+fn link_counts(counters: Counters) -> LinkCounts {
+    let Counters { lost, late, duplicate, corrupt, foreign } = counters;
+    LinkCounts { lost, late, duplicate, corrupt, foreign }
+}
+
+fn quantiles(times: &Times) -> TimeQuantiles {
+    let seconds = |ns: u64| ns as f64 * 1e-9;
+    TimeQuantiles {
+        median_s: seconds(times.quantile_ns(0.5)),
+        p99_s: seconds(times.quantile_ns(0.99)),
+        p999_s: seconds(times.quantile_ns(0.999)),
+        max_s: seconds(times.max_ns()),
+    }
+}
+
+fn run_sample(sample: &Sample) -> RunSample {
+    let short = |ns: u64| u32::try_from(ns).unwrap_or(u32::MAX);
+    let phase = match sample.phase {
+        Phase::Configured | Phase::Armed => RunPhase::Armed,
+        Phase::Running => RunPhase::Running,
+        Phase::Stopped | Phase::Faulted => RunPhase::Stopped,
+    };
+    let commanded = &sample.commanded;
+    RunSample {
+        tick: sample.instant,
+        voltage_v: sample.voltage_v,
+        commanded_v: commanded.voltage_v,
+        u_v: commanded.u_v,
+        reference_rad: sample.reference_rad,
+        smoothed_rad: commanded.reference_rad,
+        theta_rad: sample.measured.theta_rad,
+        alpha_rad: sample.measured.alpha_rad,
+        psi_rad: commanded.y_rad,
+        y_model_rad: commanded.y_model_rad,
+        error_rad: commanded.error_rad,
+        lateness_ns: short(sample.lateness_ns),
+        execution_ns: short(sample.execution_ns),
+        settings: sample.revision,
+        phase: phase as u8,
+        fault: sample.fault.map_or(0, RunFault::code),
+        stale: u8::from(sample.stale),
+    }
+}
+
+fn run_reference(reference: &Reference) -> RunReference {
+    RunReference {
+        shape: shape_of_run(reference.shape),
+        amplitude_rad: reference.amplitude_rad,
+        period_s: reference.period_s,
+        offset_rad: reference.offset_rad,
+    }
+}
+
+/// The shape as a file names it.
+pub fn shape_of_run(shape: Shape) -> RunShape {
+    match shape {
+        Shape::Step => RunShape::Step,
+        Shape::Square => RunShape::Square,
+        Shape::Sine => RunShape::Sine,
+        Shape::Sawtooth => RunShape::Sawtooth,
+        Shape::File => RunShape::File,
+    }
+}
+
+/// The generator's shape.
+pub fn shape_of_file(shape: RunShape) -> Shape {
+    match shape {
+        RunShape::Step => Shape::Step,
+        RunShape::Square => Shape::Square,
+        RunShape::Sine => Shape::Sine,
+        RunShape::Sawtooth => Shape::Sawtooth,
+        RunShape::File => Shape::File,
+    }
+}
