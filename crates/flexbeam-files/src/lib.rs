@@ -63,9 +63,9 @@ pub use run_file::{
     CutOff, LiveSettings, RUN_SCHEMA, RunColumns, RunEvent, RunFault, RunFile, RunHeader, RunPhase, RunRecording,
     RunReference, RunSample, RunShape, RunSummary, RunWriter, Stretch,
 };
-pub use run_result::{LinkCounts, RunResult, TimeQuantiles};
+pub use run_result::{LinkCounts, RunResult, ServeResult, TimeQuantiles};
 pub use settings::{Channel, Law, Settings};
 pub use stiffness::{NoStiffness, Stiffness};
 pub use summary::{DirectionSummary, IdentificationSummary, LawSummary, PlantTable, ReproduceSummary};
-pub use wire::{Reading, ReferenceChange, Reply, Request};
+pub use wire::{Reading, ReferenceChange, Reply, Request, request_of_changes};
 pub use write::{Overwrite, Written, check_free, check_free_for_mat, read_bytes, write_bytes};

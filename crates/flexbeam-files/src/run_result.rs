@@ -37,6 +37,27 @@ pub struct RunResult {
     pub recording: Option<String>,
 }
 
+/// `flexbeam rig`, at its end.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ServeResult {
+    /// Runs that began.
+    pub runs: u64,
+    /// Commands that were answered with new readings.
+    pub answered: u64,
+    /// Commands that came twice.
+    pub repeated: u64,
+    /// Commands older than the newest, or of another run.
+    pub ignored: u64,
+    /// Frames that could not be read.
+    pub malformed: u64,
+    /// Times that the rig took itself to 0 V.
+    pub timed_out: u64,
+    /// Where the hub stands [rad].
+    pub theta_rad: f64,
+    /// Deflection angle of the tip [rad].
+    pub alpha_rad: f64,
+}
+
 /// What a link lost or threw away.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LinkCounts {

@@ -3,6 +3,7 @@
 use crate::run_file::RunShape;
 use crate::settings::Settings;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// What is asked of a run.
 ///
@@ -103,9 +104,46 @@ impl Reply {
     }
 }
 
+/// A request that sets each KEY=VALUE: keys of the table `settings`, and `reference.KEY`.
+///
+/// Errors: what is wrong with the first that is none, in words.
+///
+/// ```
+/// use flexbeam_files::{Request, request_of_changes};
+/// let request = request_of_changes(&["eps_u_v=0.02", "theta.low_pass=0.5", "reference.shape=sine"]).unwrap();
+/// let Request::Set { settings, .. } = request else { panic!() };
+/// assert_eq!(settings.eps_u_v, Some(0.02));
+/// ```
+pub fn request_of_changes<S: AsRef<str>>(changes: &[S]) -> Result<Request, String> {
+    let mut request = json!({ "do": "set", "settings": {}, "reference": {} });
+    for change in changes {
+        let change = change.as_ref();
+        let (key, value) = change.split_once('=').ok_or_else(|| format!("{change:?} without ="))?;
+        let path: Vec<&str> = key.trim().split('.').collect();
+        let path = if path[0] == "reference" { path } else { [&["settings"], path.as_slice()].concat() };
+        let place = path.iter().fold(&mut request, |value, step| &mut value[*step]);
+        *place = serde_json::from_str(value.trim()).unwrap_or_else(|_| value.trim().into());
+    }
+    serde_json::from_value(request).map_err(|error| error.to_string())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn changes_are_keys_with_values() {
+        let reference = ReferenceChange { shape: Some(RunShape::Sine), ..ReferenceChange::default() };
+        let settings = Settings { law: Some(crate::Law::Switched), eps_u_v: Some(0.1), ..Settings::default() };
+        let found = request_of_changes(&["law=switched", "reference.shape=sine", " eps_u_v = 0.1 "]);
+        assert_eq!(found, Ok(Request::Set { settings, reference }));
+        for (change, named) in
+            [("eps_u_v", "without ="), ("epsilon=1", "epsilon"), ("eps_u_v=many", "many"), ("reference.a.b=1", "a")]
+        {
+            let error = request_of_changes(&[change]).unwrap_err();
+            assert!(error.contains(named), "{error}");
+        }
+    }
 
     #[test]
     fn requests_and_replies_come_back() {

@@ -11,7 +11,9 @@ pub struct Controls(Arc<Shared>);
 #[derive(Debug, Default)]
 struct Shared {
     start: AtomicBool,
-    stop: Arc<AtomicBool>,
+    stop: AtomicBool,
+    /// Somebody else's wish to stop, for this run and for others: a signal handler's.
+    asked: Arc<AtomicBool>,
     emergency: AtomicBool,
     watchdog: AtomicBool,
     phase: AtomicU8,
@@ -35,9 +37,9 @@ impl Controls {
         self.0.emergency.store(true, Ordering::Release);
     }
 
-    /// Real-time: no. The flag that [`Controls::stop`] sets, for a signal handler.
-    pub fn stop_flag(&self) -> Arc<AtomicBool> {
-        self.0.stop.clone()
+    /// Real-time: no. Controls that also stop when `asked` is set, by a signal handler for example.
+    pub(crate) fn with(asked: Arc<AtomicBool>) -> Controls {
+        Controls(Arc::new(Shared { asked, ..Shared::default() }))
     }
 
     /// Real-time: yes. Where the run stands.
@@ -54,7 +56,7 @@ impl Controls {
     }
 
     pub(crate) fn stop_asked(&self) -> bool {
-        self.0.stop.load(Ordering::Acquire)
+        self.0.stop.load(Ordering::Acquire) || self.0.asked.load(Ordering::Acquire)
     }
 
     pub(crate) fn emergency_asked(&self) -> bool {

@@ -23,8 +23,6 @@ pub struct RunContext {
     pub port: String,
     /// Sample period [s].
     pub period_s: f64,
-    /// What was refused or set aside.
-    pub warnings: Vec<String>,
 }
 
 /// Writes a run's recording.
@@ -107,7 +105,7 @@ pub fn run_result(
         execution: quantiles(&meter.execution),
         tick: quantiles(&meter.tick),
         page_faults: meter.page_faults.minor + meter.page_faults.major,
-        warnings: context.warnings.clone(),
+        warnings: report.warnings.clone(),
         recording: recording.map(|path| path.display().to_string()),
     }
 }

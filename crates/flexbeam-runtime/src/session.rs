@@ -19,9 +19,9 @@ use crate::standing::{LOOP_PRIORITY, Standing, WATCHDOG_PRIORITY};
 use crate::watchdog::watch;
 use flexbeam_kernel as kernel;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -71,6 +71,8 @@ pub struct Setup {
     pub frozen: FrozenLimit,
     /// Core of the loop's thread; nothing: any.
     pub core: Option<usize>,
+    /// Stops this run and every other one that has it, when it is set: by a signal handler, say.
+    pub asked: Arc<AtomicBool>,
 }
 
 impl Setup {
@@ -86,6 +88,7 @@ impl Setup {
             autostart: true,
             frozen: FrozenLimit::default(),
             core: None,
+            asked: Arc::default(),
         }
     }
 
@@ -129,6 +132,7 @@ pub struct Session {
     pub standing: Standing,
     /// What the dry run measured.
     pub dry_run: Meter,
+    warnings: Mutex<Vec<String>>,
     events: Sender<Message>,
     outcome: Receiver<LoopEnd>,
     watchdog_done: Arc<AtomicBool>,
@@ -176,7 +180,7 @@ impl Session {
         let ControllerData { order, coefficients } = &setup.controller;
         kernel::Controller::new(*order, coefficients).map_err(NotArmed::Controller)?;
         let (control, reader) = live(setup.live.clone())?;
-        let controls = Controls::default();
+        let controls = Controls::with(setup.asked.clone());
         if setup.autostart {
             controls.start();
         }
@@ -203,13 +207,30 @@ impl Session {
         }
         let (standing, dry_run) = armed?;
         let (watchdog, recorder) = (Some(watchdog), Some(recorder));
-        Ok(Session { controls, live: control, standing, dry_run, events, outcome, watchdog_done, watchdog, recorder })
+        let session = Session {
+            controls,
+            live: control,
+            standing,
+            dry_run,
+            warnings: Mutex::default(),
+            events,
+            outcome,
+            watchdog_done,
+            watchdog,
+            recorder,
+        };
+        standing.warnings().iter().for_each(|warning| session.note(EventKind::Warning, warning.to_string()));
+        Ok(session)
     }
 
-    /// Real-time: no. Puts an event into the recording.
+    /// Real-time: no. Puts an event into the recording; a warning or an override into the report, too.
     pub fn note(&self, kind: EventKind, text: impl Into<String>) {
+        let text = text.into();
+        if matches!(kind, EventKind::Warning | EventKind::Override) {
+            self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(text.clone());
+        }
         // The recorder outlives the session; without it there is nowhere to note anything.
-        let _ = self.events.send(Message::Event(kind, text.into()));
+        let _ = self.events.send(Message::Event(kind, text));
     }
 
     /// Real-time: no. Whether the loop has ended.
@@ -228,7 +249,8 @@ impl Session {
         };
         let text = words(cause, back_end.as_deref());
         let link = back_end.as_ref().map(|rig| rig.counters()).unwrap_or_default();
-        let report = RunReport { cause, text, meter, link };
+        let warnings = std::mem::take(self.warnings.get_mut().unwrap_or_else(PoisonError::into_inner));
+        let report = RunReport { cause, text, meter, link, warnings };
         let _ = self.events.send(Message::Over(Box::new(report.clone())));
         let recorded = self.recorder.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
         Outcome { report, recorded, back_end }

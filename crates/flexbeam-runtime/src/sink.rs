@@ -62,6 +62,8 @@ pub struct RunReport {
     pub meter: Meter,
     /// What the link lost or threw away.
     pub link: Counters,
+    /// What was refused by the system, or set aside by name.
+    pub warnings: Vec<String>,
 }
 
 /// A sink that takes no more.

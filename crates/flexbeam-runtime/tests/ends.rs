@@ -7,7 +7,8 @@ use flexbeam_rig::Measurement;
 use flexbeam_runtime::back_end::{Answer, LinkFault};
 use flexbeam_runtime::{Cause, Controls, FrozenLimit, Outcome, Phase, RunFault, Session, Setup};
 use scripted::{DRY_SLEEPS, Ear, Log, Scripted, Virtual, alive, armed, open_loop, still};
-use std::sync::mpsc;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
 /// Runs to the end on a virtual clock.
@@ -90,8 +91,10 @@ fn a_real_signal() {
         Ok(alive(instant))
     });
     let log = rig.log.clone();
-    let (session, _ear) = armed(rig, open_loop(2.0), Virtual::default());
-    let id = signal_hook::flag::register(signal_hook::consts::SIGUSR1, session.controls.stop_flag()).unwrap();
+    let asked = Arc::<AtomicBool>::default();
+    let setup = Setup { asked: asked.clone(), ..open_loop(2.0) };
+    let (session, _ear) = armed(rig, setup, Virtual::default());
+    let id = signal_hook::flag::register(signal_hook::consts::SIGUSR1, asked.clone()).unwrap();
     hand.send(()).unwrap();
     assert_eq!(session.finish().report.cause, Cause::Asked);
     signal_hook::low_level::unregister(id);

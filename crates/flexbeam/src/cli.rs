@@ -1,6 +1,8 @@
 //! The command line as types. Names, defaults and units of DESIGN section 10.
 
 mod export;
+mod rig;
+mod run;
 
 use std::path::PathBuf;
 
@@ -8,8 +10,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use flexbeam_ident::Order;
 
 use crate::nominal::Nominal;
-use crate::rig_test::RAMP;
 pub use export::{Export, Form};
+pub use rig::{Experiment, Rig, RigTest, ServeRig};
+pub use run::{RigLink, Run, Signal, Tell, What};
 
 /// Model, identify, design, verify and simulate a robust controller for a flexible beam on a servo motor.
 #[derive(Debug, Parser)]
@@ -41,12 +44,15 @@ pub enum Command {
     /// Closed loop on the nonlinear rig
     #[command(allow_negative_numbers = true)]
     Simulate(Simulate),
-    /// Experiments on the rig
-    Rig {
-        /// Which experiment.
-        #[command(subcommand)]
-        command: Rig,
-    },
+    /// Real time: the controller on the clock, on a rig
+    #[command(allow_negative_numbers = true)]
+    Run(Run),
+    /// Steer a run over its control socket
+    #[command(allow_negative_numbers = true)]
+    Tell(Tell),
+    /// The simulated rig as a process; experiments on a rig
+    #[command(allow_negative_numbers = true)]
+    Rig(Rig),
     /// A recording as CSV or for MATLAB
     Export(Export),
     /// What a file holds and where it came from
@@ -70,16 +76,19 @@ pub struct Reproduce {
 /// `flexbeam record`
 #[derive(Args, Debug)]
 pub struct Record {
-    /// The CSV file to write
+    /// The file to write: CSV, or a run recording where it ends in .mcap
     #[arg(short, long, default_value = "recording.csv")]
     pub out: PathBuf,
-    /// Rig file; the paper's rig by default
+    /// Where the rig is.
+    #[command(flatten)]
+    pub link: RigLink,
+    /// Rig file of the simulated rig; the paper's by default
     #[arg(long)]
     pub rig: Option<PathBuf>,
     /// Length [s]
     #[arg(long, default_value_t = 10.0)]
     pub duration: f64,
-    /// Sample period [s]; the rig's by default, 0.001 for the paper's
+    /// Sample period [s]; the rig file's by default, else 0.001
     #[arg(long)]
     pub period: Option<f64>,
     /// Root mean square of the white Gaussian voltage [V]
@@ -301,43 +310,6 @@ pub enum Law {
     Switched,
     /// Inverse of the dead zone
     Inverse,
-}
-
-/// `flexbeam rig`
-#[derive(Debug, Subcommand)]
-pub enum Rig {
-    /// Slow-ramp breakaway test: breakaway voltages, and the thresholds and u_p that follow
-    #[command(allow_negative_numbers = true)]
-    Test(RigTest),
-}
-
-/// `flexbeam rig test`
-#[derive(Args, Debug)]
-pub struct RigTest {
-    /// Rig file; the paper's rig by default
-    #[arg(long)]
-    pub rig: Option<PathBuf>,
-    /// Slope of the ramp [V/s]
-    #[arg(long, default_value_t = RAMP.rate_v_s)]
-    pub slope: f64,
-    /// Highest voltage of the ramp [V]
-    #[arg(long, default_value_t = RAMP.peak_v)]
-    pub highest: f64,
-    /// Rest before each ramp [s]: a beam that still swings breaks the hub loose early
-    #[arg(long, default_value_t = RAMP.rest_s)]
-    pub rest: f64,
-    /// Law that the settings are for; that of --apply-to's controller by default, else the inverse law
-    #[arg(long, value_enum)]
-    pub law: Option<Law>,
-    /// Controller file whose law settings are replaced by the ones found
-    #[arg(long)]
-    pub apply_to: Option<PathBuf>,
-    /// Seed of the sensor noise
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// One JSON object on standard output
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// `flexbeam show`

@@ -5,9 +5,9 @@ use flexbeam_files as files;
 use flexbeam_files::{Certificate, Controller, Extended, Matrices, Provenance, pairs};
 use flexbeam_kernel as kernel;
 use flexbeam_lti::{Mat, Rational, StateSpace, Time, Zpk};
+use flexbeam_runtime::{law_of_file, with_table};
 
 use crate::Failure;
-use crate::law::kernel_law;
 
 /// What the file says beside the design's own figures.
 pub struct Particulars {
@@ -132,32 +132,6 @@ pub fn controller_system(file: &Controller) -> Result<StateSpace, Failure> {
 
 /// The live settings: the file's, and the kernel's defaults where it says nothing. `law` overrides the file's.
 pub fn kernel_settings(file: &files::Settings, law: Option<files::Law>) -> kernel::Settings {
-    let default = kernel::Settings::default();
-    let or = |value: Option<f64>, default: f64| value.unwrap_or(default);
-    let channel = |channel: &Option<files::Channel>, default: kernel::Channel| {
-        channel.as_ref().map_or(default, |c| kernel::Channel {
-            scale: or(c.scale, default.scale),
-            offset_rad: or(c.offset_rad, default.offset_rad),
-            low_pass: or(c.low_pass, default.low_pass),
-        })
-    };
-    kernel::Settings {
-        theta: channel(&file.theta, default.theta),
-        alpha: channel(&file.alpha, default.alpha),
-        smooth_ticks: or(file.smooth_ticks, default.smooth_ticks),
-        smooth_step_rad: or(file.smooth_step_rad, default.smooth_step_rad),
-        law: law.or(file.law).map_or(default.law, kernel_law),
-        u_p_plus_v: or(file.u_p_plus_v, default.u_p_plus_v),
-        u_p_minus_v: or(file.u_p_minus_v, default.u_p_minus_v),
-        eps_u_v: or(file.eps_u_v, default.eps_u_v),
-        eps_e_rad: or(file.eps_e_rad, default.eps_e_rad),
-        hysteresis_u: or(file.hysteresis_u, default.hysteresis_u),
-        hysteresis_e: or(file.hysteresis_e, default.hysteresis_e),
-        breakaway_plus_v: or(file.breakaway_plus_v, default.breakaway_plus_v),
-        breakaway_minus_v: or(file.breakaway_minus_v, default.breakaway_minus_v),
-        voltage_limit_v: or(file.voltage_limit_v, default.voltage_limit_v),
-        deflection_limit_rad: or(file.deflection_limit_rad, default.deflection_limit_rad),
-        theta_limit_rad: or(file.theta_limit_rad, default.theta_limit_rad),
-        theta_step_limit_rad: or(file.theta_step_limit_rad, default.theta_step_limit_rad),
-    }
+    let settings = with_table(&kernel::Settings::default(), file);
+    kernel::Settings { law: law.map_or(settings.law, law_of_file), ..settings }
 }

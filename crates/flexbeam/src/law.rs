@@ -3,7 +3,6 @@
 use flexbeam_files as files;
 use flexbeam_files::{Law, RigTestResult};
 use flexbeam_ident::breakaway::{Breakaway, Thresholds};
-use flexbeam_kernel as kernel;
 
 use crate::cli;
 
@@ -14,15 +13,6 @@ impl From<cli::Law> for Law {
             cli::Law::Switched => Law::Switched,
             cli::Law::Inverse => Law::Inverse,
         }
-    }
-}
-
-/// The kernel's law.
-pub fn kernel_law(law: Law) -> kernel::Law {
-    match law {
-        Law::None => kernel::Law::None,
-        Law::Switched => kernel::Law::Switched,
-        Law::Inverse => kernel::Law::Inverse,
     }
 }
 

@@ -13,13 +13,17 @@ mod law;
 mod nominal;
 mod output;
 mod poles;
+mod port;
 mod record;
 mod reproduce;
 mod response;
 mod rig_file;
 mod rig_test;
+mod run;
+mod serve_rig;
 mod show;
 mod simulate;
+mod tell;
 mod verify;
 
 pub use failure::Failure;
@@ -33,7 +37,12 @@ pub fn run(cli: cli::Cli) -> Result<(), Failure> {
         cli::Command::Design(arguments) => design::run(&arguments),
         cli::Command::Verify(arguments) => verify::run(&arguments),
         cli::Command::Simulate(arguments) => simulate::run(&arguments),
-        cli::Command::Rig { command: cli::Rig::Test(arguments) } => rig_test::run(&arguments),
+        cli::Command::Run(arguments) => run::run(&arguments),
+        cli::Command::Tell(arguments) => tell::run(&arguments),
+        cli::Command::Rig(cli::Rig { command: Some(cli::Experiment::Test(arguments)), .. }) => {
+            rig_test::run(&arguments)
+        }
+        cli::Command::Rig(cli::Rig { command: None, serve }) => serve_rig::run(&serve),
         cli::Command::Export(arguments) => export::run(&arguments),
         cli::Command::Show(arguments) => show::run(&arguments),
     }

@@ -7,6 +7,8 @@ use flexbeam_kernel as kernel;
 use flexbeam_report::{Figure, Panel, Series};
 use flexbeam_rig::{ClosedLoopRecord, Link, RigParameters, SimulatedRig, StepMetrics, closed_loop};
 
+use flexbeam_runtime::kernel_words;
+
 use crate::Failure;
 use crate::rig_file::rig_parameters;
 
@@ -74,21 +76,10 @@ pub fn linear_rig(rig: &RigParameters) -> RigParameters {
 
 /// The kernel's limits stopped the rig.
 #[derive(Debug, thiserror::Error)]
-#[error("the rig was stopped after {time_s:.3} s: {}", reason(*.fault))]
+#[error("the rig was stopped after {time_s:.3} s: {}", kernel_words(*.fault))]
 pub struct Stopped {
     time_s: f64,
     fault: kernel::Fault,
-}
-
-fn reason(fault: kernel::Fault) -> &'static str {
-    match fault {
-        kernel::Fault::Deflection => "the deflection passed its limit (settings.deflection_limit_rad)",
-        kernel::Fault::Angle => "the hub passed its limit (settings.theta_limit_rad)",
-        kernel::Fault::Speed => "the hub turned faster than its limit (settings.theta_step_limit_rad)",
-        kernel::Fault::NonFinite => "a number of the loop was not finite",
-        kernel::Fault::Order => "the controller's memory is of another order",
-        kernel::Fault::None => "no fault",
-    }
 }
 
 impl Response {

@@ -47,6 +47,15 @@ pub fn run(arguments: &cli::Verify) -> Result<(), Failure> {
     if result.verified { Ok(()) } else { Err(Failure::No(Box::new(NotVerified(result.failures)))) }
 }
 
+/// A sentence for each figure of the certificate that the controller's numbers do not bear out.
+///
+/// Errors: a file that makes no system.
+pub fn broken_figures(file: &Controller) -> Result<Vec<String>, Failure> {
+    let figures = Parts::of(file)?.figures(file).map_err(Failure::while_trying("recompute the certificate"))?;
+    let broken = figures.iter().filter(|figure| !figure.agrees).map(sentence);
+    Ok(broken.chain(other_filter(file)).collect())
+}
+
 /// The certificate speaks of the filter of the design; the loop runs those of the settings.
 fn other_filter(file: &Controller) -> Option<String> {
     let (settings, designed) = (kernel_settings(&file.settings, None), file.design.low_pass);

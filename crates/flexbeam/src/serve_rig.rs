@@ -1,0 +1,99 @@
+//! `flexbeam rig`: the simulated rig as a process of its own, behind UDP or a serial line.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use flexbeam_files::{ServeResult, json_text};
+use flexbeam_rig::SimulatedRig;
+use flexbeam_runtime::port::Port;
+use flexbeam_runtime::serial::SerialWire;
+use flexbeam_runtime::served_rig::{OnSession, ServeOptions, ServedReport, serve};
+use flexbeam_runtime::udp::UdpRigWire;
+use flexbeam_runtime::wire::Wire;
+
+use crate::port::{port, unlike_any_other};
+use crate::rig_file::rig_parameters;
+use crate::run::asked_by_signal;
+use crate::{Failure, cli};
+
+/// A place at which no rig can listen.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "found --listen {0}, needed udp:ADDRESS:PORT, pty or serial:DEVICE[:BAUD]\nhint: --listen udp:127.0.0.1:4810 serves this machine"
+)]
+struct NoPlace(String);
+
+/// Runs the command.
+pub fn run(arguments: &cli::ServeRig) -> Result<(), Failure> {
+    let parameters = rig_parameters(arguments.rig.as_deref())?;
+    let rig = SimulatedRig::new(&parameters, arguments.seed).map_err(Failure::while_trying("simulate the rig"))?;
+    let stop = asked_by_signal()?;
+    if let Some(duration_s) = arguments.duration.filter(|s| *s > 0.0) {
+        stop_after(duration_s, stop.clone());
+    }
+    let report = if arguments.listen == "pty" {
+        let (wire, device) = SerialWire::pseudo_terminal().map_err(Failure::while_trying("serve the rig"))?;
+        served(rig, wire, &format!("serial:{}", device.display()), arguments, &stop)?
+    } else {
+        match port(&arguments.listen)? {
+            Port::Udp { host, port } => {
+                let wire =
+                    UdpRigWire::bind(&format!("{host}:{port}")).map_err(Failure::while_trying("serve the rig"))?;
+                served(rig, wire, &arguments.listen, arguments, &stop)?
+            }
+            Port::Serial { device, baud } => {
+                let wire = SerialWire::open(&device, baud).map_err(Failure::while_trying("serve the rig"))?;
+                served(rig, wire, &arguments.listen, arguments, &stop)?
+            }
+            _ => return Err(Failure::while_trying("serve the rig")(NoPlace(arguments.listen.clone()))),
+        }
+    };
+    answer(arguments, &report);
+    Ok(())
+}
+
+fn stop_after(duration_s: f64, stop: Arc<AtomicBool>) {
+    std::thread::spawn(move || {
+        std::thread::sleep(Duration::from_secs_f64(duration_s.min(1e9)));
+        stop.store(true, Ordering::Release);
+    });
+}
+
+fn served(
+    rig: SimulatedRig,
+    mut wire: impl Wire,
+    place: &str,
+    arguments: &cli::ServeRig,
+    stop: &AtomicBool,
+) -> Result<ServedReport, Failure> {
+    let on_session = if arguments.carry_on { OnSession::Carry } else { OnSession::Reset };
+    let options = ServeOptions { on_session, boots: unlike_any_other() as u32 };
+    eprintln!("the rig listens at {place}; Ctrl-C ends it");
+    serve(rig, &mut wire, options, stop).map_err(|error| Failure::Fault(Box::new(error)))
+}
+
+fn answer(arguments: &cli::ServeRig, report: &ServedReport) {
+    let counts = report.counts;
+    if arguments.json {
+        let truth = report.rig.truth();
+        println!(
+            "{}",
+            json_text(&ServeResult {
+                runs: counts.runs,
+                answered: counts.answered,
+                repeated: counts.repeated,
+                ignored: counts.ignored,
+                malformed: counts.malformed,
+                timed_out: counts.timed_out,
+                theta_rad: truth.theta_rad,
+                alpha_rad: truth.alpha_rad,
+            })
+        );
+    } else {
+        println!(
+            "{} runs, {} commands answered; {} twice, {} ignored, {} malformed; timed out {} times",
+            counts.runs, counts.answered, counts.repeated, counts.ignored, counts.malformed, counts.timed_out
+        );
+    }
+}
