@@ -18,7 +18,7 @@ struct Need {
 const NEEDS: [Need; 1] = [Need {
     package: "gcc",
     proof: &["cc", "--version"],
-    why: "links every program, and the kernel's library that proves it cannot panic",
+    why: "links every program and the kernel's library that proves it cannot panic, compiles the boards' stand-ins",
 }];
 
 /// How packages may be installed here.

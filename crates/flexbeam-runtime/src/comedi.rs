@@ -28,9 +28,9 @@ pub struct ComediPort {
     pub encoder_subdevice: Option<u32>,
     /// Subdevice of the analogue input. Default none: the first of that kind.
     pub gauge_subdevice: Option<u32>,
-    /// Number of the output's range. Default none: the widest in volts.
+    /// Number of the output's range. Default none: the one in volts that reaches farthest in both directions.
     pub output_range: Option<u32>,
-    /// Number of the input's range. Default none: the widest in volts.
+    /// Number of the input's range. Default none: as for the output.
     pub gauge_range: Option<u32>,
     /// What the gauge is measured against. Default [`Reference::Ground`].
     pub reference: Reference,
@@ -110,7 +110,7 @@ impl Output {
         let subdevice = device.subdevice(Kind::AnalogOutput, port.output_subdevice, "output_subdevice")?;
         let channel = port.map.analog_output;
         let (range, scale) = device.range(subdevice, channel, port.output_range, "output")?;
-        if !(scale.min_v < 0.0 && scale.max_v > 0.0) {
+        if !(scale.reach_v() > 0.0) {
             return Err(OpenError {
                 found: format!("{}: an output from {} V to {} V", port.path, scale.min_v, scale.max_v),
                 needed: "a range with 0 V inside, since the motor turns both ways".into(),
@@ -173,7 +173,7 @@ impl ComediRig {
     /// Real-time: no. Largest voltage at the motor's terminals that the board can give in both directions [V]. A loop whose
     /// voltage limit is larger would believe in volts that do not come.
     pub fn reach_v(&self) -> f64 {
-        self.output.scale.max_v.min(-self.output.scale.min_v) * self.map.amplifier_gain
+        self.output.scale.reach_v() * self.map.amplifier_gain
     }
 
     /// Real-time: yes, as far as the driver is.

@@ -205,27 +205,33 @@ impl Device {
     ///
     /// Errors: there is none, or the named one is of another kind.
     pub(super) fn subdevice(&self, kind: Kind, named: Option<u32>, key: &str) -> Result<u32, OpenError> {
-        // SAFETY: the handle is open; the rest are numbers.
-        let (found, count) = unsafe {
-            let found = match named {
-                Some(subdevice) => (self.functions.subdevice_type)(self.raw.as_ptr(), subdevice) == kind as c_int,
-                None => (self.functions.find_subdevice)(self.raw.as_ptr(), kind as c_int, 0) >= 0,
-            };
-            (found, (self.functions.subdevices)(self.raw.as_ptr()))
+        let found = match named {
+            Some(subdevice) => named.filter(|_| self.is(kind, subdevice)),
+            None => self.first(kind),
         };
-        let first = || {
-            // SAFETY: as above.
-            let first = unsafe { (self.functions.find_subdevice)(self.raw.as_ptr(), kind as c_int, 0) };
-            u32::try_from(first).ok()
-        };
-        found.then(|| named.or_else(first)).flatten().ok_or_else(|| OpenError {
+        found.ok_or_else(|| OpenError {
             found: match named {
                 Some(subdevice) => format!("{}: {key}={subdevice}, which is no {}", self.path, kind.words()),
-                None => format!("{}: {count} subdevices, none of them {}", self.path, kind.words()),
+                None => format!("{}: {} subdevices, none of them {}", self.path, self.subdevices(), kind.words()),
             },
             needed: format!("a subdevice that is {}", kind.words()),
             hint: "comedi_board_info lists subdevices with their kinds".into(),
         })
+    }
+
+    fn is(&self, kind: Kind, subdevice: u32) -> bool {
+        // SAFETY: the handle is open, and a subdevice that is not there is answered by -1.
+        unsafe { (self.functions.subdevice_type)(self.raw.as_ptr(), subdevice) == kind as c_int }
+    }
+
+    fn first(&self, kind: Kind) -> Option<u32> {
+        // SAFETY: the handle is open; the rest are numbers.
+        u32::try_from(unsafe { (self.functions.find_subdevice)(self.raw.as_ptr(), kind as c_int, 0) }).ok()
+    }
+
+    fn subdevices(&self) -> c_int {
+        // SAFETY: the handle is open.
+        unsafe { (self.functions.subdevices)(self.raw.as_ptr()) }
     }
 
     /// Real-time: no. The greatest sample of a channel.
@@ -245,7 +251,7 @@ impl Device {
         })
     }
 
-    /// Real-time: no. The named range of a channel, or its widest in volts.
+    /// Real-time: no. The named range of a channel, or the one in volts that reaches farthest in both directions.
     ///
     /// Errors: no such range, or none in volts.
     pub(super) fn range(
@@ -263,7 +269,7 @@ impl Device {
             Some((range, Scale { min_v, max_v, greatest }))
         });
         let fitting = in_volts.filter(|(range, _)| named.is_none_or(|named| named == *range));
-        fitting.max_by(|(_, a), (_, b)| a.step_v().total_cmp(&b.step_v())).ok_or_else(|| OpenError {
+        fitting.max_by(|(_, a), (_, b)| a.reach_v().total_cmp(&b.reach_v())).ok_or_else(|| OpenError {
             found: format!("{}: {count} ranges of {key}={channel}, and not the one asked for in volts", self.path),
             needed: match named {
                 Some(range) => format!("range {range} in volts"),

@@ -31,9 +31,9 @@ impl Scale {
         ((position + 0.5) as u32).min(self.greatest)
     }
 
-    /// Volts between two samples [V].
-    pub(crate) fn step_v(&self) -> f64 {
-        (self.max_v - self.min_v) / f64::from(self.greatest)
+    /// Largest magnitude that it holds with either sign [V]; not positive where 0 V is not inside.
+    pub(crate) fn reach_v(&self) -> f64 {
+        self.max_v.min(-self.min_v)
     }
 }
 
@@ -41,6 +41,10 @@ impl Scale {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    fn step_v(scale: &Scale) -> f64 {
+        (scale.max_v - scale.min_v) / f64::from(scale.greatest)
+    }
 
     const TWELVE_BITS: Scale = Scale { min_v: -10.0, max_v: 10.0, greatest: 4095 };
 
@@ -52,8 +56,15 @@ mod tests {
     }
 
     #[test]
+    fn a_range_without_0_v_inside_reaches_nowhere() {
+        assert_eq!(TWELVE_BITS.reach_v(), 10.0);
+        assert_eq!(Scale { min_v: -5.0, ..TWELVE_BITS }.reach_v(), 5.0);
+        assert!(!(Scale { min_v: 0.0, ..TWELVE_BITS }.reach_v() > 0.0));
+    }
+
+    #[test]
     fn zero_is_at_most_half_a_step_from_zero() {
-        assert!(TWELVE_BITS.volts(TWELVE_BITS.sample(0.0)).abs() <= 0.5 * TWELVE_BITS.step_v());
+        assert!(TWELVE_BITS.volts(TWELVE_BITS.sample(0.0)).abs() <= 0.5 * step_v(&TWELVE_BITS));
     }
 
     /// `comedi_range`.
@@ -100,7 +111,7 @@ mod tests {
         fn there_and_back_is_at_most_half_a_step(board_v in -10.0..10.0, greatest in 255_u32..=u32::MAX) {
             let scale = Scale { greatest, ..TWELVE_BITS };
             let error_v = (scale.volts(scale.sample(board_v)) - board_v).abs();
-            prop_assert!(error_v <= 0.5 * scale.step_v() + 1e-14, "{error_v} V");
+            prop_assert!(error_v <= 0.5 * step_v(&scale) + 1e-14, "{error_v} V");
         }
     }
 }

@@ -162,7 +162,7 @@ impl Card {
         let mut reading = Reading::default();
         let none: Channels = null();
         // SAFETY: each count of 1 goes with one channel and a buffer of one element of the documented type, all on this frame;
-        // the kinds that are not used have count 0, for which null pointers are documented.
+        // the kinds that are not used have count 0, with which the library reads no pointer (QUARC's own code passes null).
         let code = unsafe {
             (self.functions.read_write)(
                 self.raw,

@@ -222,7 +222,7 @@ fn before_a_run_every_refusal_names_what_there_is_and_a_way_out() {
         ("/dev/comedi0?gauge=8,", "gauge=8 on subdevice 0 with 8 channels", "counted from 0"),
         ("/dev/comedi0?encoder_subdevice=0,", "encoder_subdevice=0, which is no counter", "counter"),
         ("/dev/comedi0?output_subdevice=9,", "output_subdevice=9, which is no analogue output", "analogue output"),
-        ("/dev/comedi0?output_range=1,", "an output from 0 V to 10 V", "0 V inside"),
+        ("/dev/comedi0?output_range=1,", "an output from 0 V to 20 V", "0 V inside"),
         ("/dev/comedi0?gauge_range=2,", "2 ranges of gauge=0", "range 2 in volts"),
     ] {
         let board = StandIn::new("comedi");
@@ -234,6 +234,16 @@ fn before_a_run_every_refusal_names_what_there_is_and_a_way_out() {
         );
         assert_eq!(board.open_handles(), 0);
     }
+}
+
+#[test]
+fn a_board_without_counter_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let timers = folder.path().join("timers.so");
+    stand_in::compile("comedi_stand_in.c", &["-DFOURTH_KIND=7"], &timers).unwrap();
+    let named = ComediPort { library: Some(timers.to_str().unwrap().into()), ..ComediPort::new("/dev/comedi0") };
+    let error = ComediRig::open(&named).err().unwrap();
+    assert_eq!(error.found, "/dev/comedi0: 4 subdevices, none of them counter");
 }
 
 #[test]

@@ -2,7 +2,7 @@
  * documentation gives them. Written from the documentation; it shows that flexbeam keeps to that, not that a board does.
  *
  * Subdevices: 0 analogue input (8 channels, 16 bits, +-5 V and +-10 V), 1 analogue output (2 channels, 12 bits, +-10 V and
- * 0 to 10 V), 2 digital, 3 counter (2 channels, 24 bits). There is no watchdog. The rig behind it moves ten counts for each
+ * 0 to 20 V), 2 digital, 3 counter (2 channels, 24 bits). There is no watchdog. The rig behind it moves ten counts for each
  * volt at each reading of the counter.
  *
  * Functions that begin with stand_in_ are the tests' own. */
@@ -27,11 +27,15 @@ struct comedi_t_struct { int magic; };
 enum { MAGIC = 0x1234, SUBDEVICES = 4, COUNTER_MAX = 0xffffff };
 enum { BAD_DEVICE = 0x1002, BAD_SUBDEVICE = 0x1003, BAD_CHANNEL = 0x1004 };
 
-static const int kinds[SUBDEVICES] = { 1, 2, 5, 6 };
+#ifndef FOURTH_KIND
+#define FOURTH_KIND 6
+#endif
+
+static const int kinds[SUBDEVICES] = { 1, 2, 5, FOURTH_KIND };
 static const int channels[SUBDEVICES] = { 8, 2, 8, 2 };
 static const lsampl_t greatest[SUBDEVICES] = { 65535, 4095, 1, COUNTER_MAX };
 static comedi_range ranges[SUBDEVICES][2] = { { { -5, 5, 0 }, { -10, 10, 0 } },
-                                              { { -10, 10, 0 }, { 0, 10, 0 } },
+                                              { { -10, 10, 0 }, { 0, 20, 0 } },
                                               { { 0, 5, 0 } },
                                               { { 0, 1, 2 } } };
 static const int n_ranges[SUBDEVICES] = { 2, 2, 1, 1 };

@@ -247,6 +247,15 @@ fn a_board_without_watchdog_is_refused_unless_the_port_says_so() {
 }
 
 #[test]
+fn a_watchdog_that_does_not_stop_after_its_trial_is_refused() {
+    let board = StandIn::new("hil");
+    let mut rig = HilRig::open(&port(&board)).unwrap();
+    board.fail("hil_watchdog_stop", 2, -105);
+    let error = rig.prepare(UNHURRIED).unwrap_err();
+    assert!(error.found.contains("An argument is out of its range."), "{error}");
+}
+
+#[test]
 fn what_the_watchdog_is_told_follows_the_port() {
     let board = StandIn::new("hil");
     let fixed = HilPort { watchdog: BoardWatchdog::Fixed, tristate_lines: 8, ..port(&board) };
@@ -277,8 +286,8 @@ fn before_a_run_every_refusal_names_the_call_the_words_and_a_way_out() {
 
 #[test]
 fn a_missing_library_is_told_with_every_name_and_a_missing_function_by_its_own() {
-    let error = HilRig::open(&HilPort::new("q2_usb", "0")).err().unwrap();
-    // Where Quanser's library is installed, there is no board behind it.
+    // A type that no board has: where Quanser's library is installed, the test must not touch one.
+    let error = HilRig::open(&HilPort::new("no_such_board", "0")).err().unwrap();
     let told = error.to_string();
     assert!(told.contains("libhil.so.1") && told.contains("libhil.so (") || told.contains("hil_open"), "{told}");
 

@@ -4,7 +4,7 @@ use libloading::os::unix::Library;
 use std::ffi::CString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::{Mutex, OnceLock};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -139,14 +139,17 @@ pub fn compile(source: &str, words: &[&str], into: &Path) -> Result<(), String> 
     output.status.success().then_some(()).ok_or_else(|| String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
+/// Where the compiled stand-in lies; compiled at its first use in a process.
 fn compiled(name: &str) -> PathBuf {
-    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
-    let folder = FOLDER.get_or_init(|| PathBuf::from(env!("CARGO_TARGET_TMPDIR")));
-    let _guard = ONE_AT_A_TIME.lock().expect("no test panics while it compiles");
-    let path = folder.join(format!("{name}_stand_in_{}.so", std::process::id()));
-    if !path.exists() {
-        compile(&format!("{name}_stand_in.c"), &[], &path).expect("the stand-in compiles");
+    static DONE: Mutex<Vec<String>> = Mutex::new(Vec::new());
+    let mut done = DONE.lock().expect("the stand-ins compile");
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}_stand_in.so"));
+    if !done.iter().any(|other| other == name) {
+        // Renamed into place: another process may be reading the file that is there.
+        let beside = path.with_extension(std::process::id().to_string());
+        compile(&format!("{name}_stand_in.c"), &[], &beside).expect("the stand-in compiles");
+        std::fs::rename(&beside, &path).expect("renamed");
+        done.push(name.into());
     }
     path
 }
