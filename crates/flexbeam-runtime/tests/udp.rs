@@ -7,8 +7,8 @@ use flexbeam_runtime::back_end::{Answer, BackEnd, Counters, LinkFault, Timing};
 use flexbeam_runtime::served_rig::{OnSession, ServeOptions};
 use flexbeam_runtime::udp::{UdpRig, UdpRigWire};
 use std::net::UdpSocket;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::time::{Duration, Instant};
 use support::relay::{Mischief, Relay, replayed};
 use support::{PATIENT, Serving, bits, exchanges, in_process};
 
@@ -246,6 +246,37 @@ fn frame_of_version(version: u8) -> Vec<u8> {
 fn answer_to(command: Command) -> frame::Measurement {
     let Command { session, sequence, .. } = command;
     frame::Measurement { session, sequence, status: 0, theta_rad: 0.5, alpha_rad: 0.0, boots: 3 }
+}
+
+/// A rig that answers on as if nothing were: what stops the host is the host's own gate.
+#[test]
+fn a_cut_stops_the_host_even_where_the_rig_does_not_hear_it() {
+    let (stops, after_stop) = (AtomicU32::new(0), AtomicU32::new(0));
+    let deaf = |command: Command| {
+        let stopped = stops.fetch_add(u32::from(command.stops()), Ordering::AcqRel) > 0;
+        let drives = stopped && command.voltage_v != 0.0;
+        after_stop.fetch_add(u32::from(drives), Ordering::AcqRel);
+        answer_to(command).encode().to_vec()
+    };
+    let all_arrive = |needed: u32| {
+        let deadline = Instant::now() + Duration::from_secs(20);
+        while stops.load(Ordering::Acquire) < needed {
+            assert!(Instant::now() < deadline, "{stops:?} stops, needed {needed}");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    };
+    impostor(deaf, |address| {
+        let mut host = prepared(address, PATIENT);
+        assert!((0..5).all(|k| host.exchange(k, 1.0).is_ok()));
+        host.cutoff().unwrap().cut();
+        for k in 5..10 {
+            assert_eq!(host.exchange(k, 1.0), Err(LinkFault::CutOff));
+        }
+        all_arrive(3);
+        host.zero().unwrap();
+        all_arrive(6);
+    });
+    assert_eq!((stops.into_inner(), after_stop.into_inner()), (6, 0));
 }
 
 #[test]
