@@ -165,3 +165,128 @@ fn readings(answer: &frame::Measurement) -> Measurement {
     }
     Measurement { theta_rad: answer.theta_rad, alpha_rad: answer.alpha_rad }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SESSION: u32 = 9;
+    const BOOTS: u32 = 4;
+
+    fn answer(sequence: u32) -> frame::Measurement {
+        let theta_rad = f64::from(sequence);
+        frame::Measurement { session: SESSION, sequence, status: 0, theta_rad, alpha_rad: -theta_rad, boots: BOOTS }
+    }
+
+    fn greeted() -> Exchange {
+        let mut exchange = Exchange::new(SESSION, 50);
+        assert_eq!(exchange.greeted(&answer(exchange.greeting(7).sequence).encode()), Greeted::Answered);
+        exchange
+    }
+
+    fn theta_rad(heard: Result<Option<Measurement>, LinkFault>) -> Option<f64> {
+        heard.unwrap().map(|measurement| measurement.theta_rad)
+    }
+
+    #[test]
+    fn an_answer_counts_once_and_only_for_its_instant() {
+        let mut exchange = greeted();
+        for instant in 0..3 {
+            exchange.command(instant, 1.0);
+        }
+        assert_eq!(theta_rad(exchange.hear(&answer(0).encode())), None);
+        assert_eq!(theta_rad(exchange.hear(&answer(2).encode())), Some(2.0));
+        assert_eq!(theta_rad(exchange.hear(&answer(2).encode())), None);
+        exchange.command(4, 1.0);
+        for sequence in [0, 1, 2, 5] {
+            assert_eq!(theta_rad(exchange.hear(&answer(sequence).encode())), None);
+        }
+        let counters = Counters { late: 2, duplicate: 3, foreign: 1, ..Counters::default() };
+        assert_eq!(exchange.counters(), counters);
+        assert_eq!(theta_rad(exchange.hear(&answer(4).encode())), Some(4.0));
+    }
+
+    #[test]
+    fn a_late_answer_that_comes_twice_is_late_once() {
+        let mut exchange = greeted();
+        exchange.command(0, 0.0);
+        exchange.command(63, 0.0);
+        assert_eq!(theta_rad(exchange.hear(&answer(0).encode())), None);
+        assert_eq!(theta_rad(exchange.hear(&answer(0).encode())), None);
+        assert_eq!(exchange.counters(), Counters { late: 1, duplicate: 1, ..Counters::default() });
+        exchange.command(1 << 40, 0.0);
+        assert_eq!(theta_rad(exchange.hear(&answer(0).encode())), Some(0.0), "2^40 is sequence 0 again");
+    }
+
+    #[test]
+    fn answers_to_greetings_are_no_part_of_the_run() {
+        let mut exchange = greeted();
+        exchange.command(0, 0.0);
+        assert_eq!(theta_rad(exchange.hear(&answer(exchange.greeting(6).sequence).encode())), None);
+        assert_eq!(exchange.counters(), Counters::default());
+    }
+
+    #[test]
+    fn what_is_not_ours_is_counted_and_what_is_damaged_too() {
+        let mut exchange = greeted();
+        let own_command = exchange.command(0, 0.0).encode();
+        let mut damaged = answer(0).encode();
+        damaged[20] ^= 1;
+        let mut seeming_version = answer(0).encode();
+        seeming_version[2] = 3;
+        let other_session = frame::Measurement { session: SESSION + 1, ..answer(0) }.encode();
+        for bytes in [&own_command[..], &damaged, &seeming_version, &other_session, b"hello", b""] {
+            assert_eq!(exchange.hear(bytes), Ok(None));
+        }
+        assert_eq!(exchange.counters(), Counters { corrupt: 4, foreign: 2, ..Counters::default() });
+    }
+
+    #[test]
+    fn a_true_frame_of_another_version_ends_the_run() {
+        let mut exchange = greeted();
+        let mut bytes = vec![b'F', b'B', 2, 2, 1, 2, 3];
+        bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+        assert_eq!(exchange.hear(&bytes), Err(LinkFault::Version { found: 2, known: VERSION }));
+        assert_eq!(exchange.greeted(&bytes), Greeted::Version(2));
+    }
+
+    #[test]
+    fn the_rig_s_own_word_ends_the_run_even_when_it_is_late() {
+        let faults = [
+            (frame::Measurement { boots: BOOTS + 1, status: 1, ..answer(0) }, LinkFault::RigRestarted),
+            (frame::Measurement { status: frame::Measurement::TIMED_OUT, ..answer(0) }, LinkFault::RigTimedOut),
+            (frame::Measurement { status: frame::Measurement::STOPPED, ..answer(0) }, LinkFault::CutOff),
+        ];
+        for (answer, fault) in faults {
+            for instant in [0, 1] {
+                let mut exchange = greeted();
+                exchange.command(instant, 0.0);
+                assert_eq!(exchange.hear(&answer.encode()), Err(fault));
+            }
+        }
+    }
+
+    #[test]
+    fn a_broken_sensor_s_angles_reach_the_kernel_undefined_and_others_as_they_are() {
+        let mut exchange = greeted();
+        exchange.command(0, 0.0);
+        let broken = frame::Measurement { status: frame::Measurement::SENSOR_FAULT, ..answer(0) };
+        let heard = exchange.hear(&broken.encode()).unwrap().unwrap();
+        assert!(heard.theta_rad.is_nan() && heard.alpha_rad.is_nan());
+        exchange.command(1, 0.0);
+        let undefined = frame::Measurement { theta_rad: f64::NAN, ..answer(1) };
+        let heard = exchange.hear(&undefined.encode()).unwrap().unwrap();
+        assert!(heard.theta_rad.is_nan() && heard.alpha_rad == -1.0);
+    }
+
+    #[test]
+    fn the_sequence_wraps_and_greetings_lead_up_to_it() {
+        let mut exchange = greeted();
+        assert_eq!(exchange.greeting(1).sequence, u32::MAX);
+        exchange.command(u64::from(u32::MAX), 0.0);
+        assert_eq!(exchange.command(1 << 32, 2.5).sequence, 0);
+        assert_eq!(theta_rad(exchange.hear(&answer(u32::MAX).encode())), None);
+        assert_eq!(exchange.counters().late, 1);
+        assert_eq!(theta_rad(exchange.hear(&answer(0).encode())), Some(0.0));
+    }
+}

@@ -20,10 +20,16 @@ const GREETING_WAIT: Duration = Duration::from_millis(20);
 /// Stop commands in a row, since each may be lost.
 const STOPS: u32 = 3;
 
+/// Frames that are thrown away before a run, at most: a wire that never falls silent is met by the greetings.
+const MOST_LEFT_BEHIND: usize = 10_000;
+
 /// The longest hold that a frame can state [s].
 const LONGEST_HOLD_S: f64 = u16::MAX as f64 / 1000.0;
 
 /// A rig that answers frames. See [`crate::udp::UdpRig`] and [`crate::serial::SerialRig`].
+///
+/// The seed that it is opened with decides the numbers of its sessions. It has to differ from run to run: a rig takes a session
+/// that it has just had for the old one, and stays silent or at 0 V.
 pub struct FramedRig<W> {
     wire: W,
     name: String,
@@ -45,14 +51,14 @@ struct Gate {
 }
 
 impl From<Broken> for LinkFault {
+    /// Real-time: yes.
     fn from(broken: Broken) -> LinkFault {
         LinkFault::Gone { errno: broken.errno }
     }
 }
 
 impl<W: HostWire> FramedRig<W> {
-    /// Real-time: no. `seed` decides the numbers of the sessions; two runs on one rig need two seeds, since a rig takes a
-    /// session that it knows already for the old one and stays at 0 V.
+    /// Real-time: no.
     pub(crate) fn new(wire: W, name: String, hint: &'static str, seed: u64) -> FramedRig<W> {
         FramedRig {
             wire,
@@ -98,6 +104,9 @@ impl<W: HostWire> FramedRig<W> {
                 match self.exchange.greeted(self.buffer.get(..length).unwrap_or_default()) {
                     decided @ (Greeted::Answered | Greeted::Version(_)) => return Ok(Some(decided)),
                     kept => other = Some(kept),
+                }
+                if sent.elapsed() > GREETING_WAIT {
+                    return Ok(other);
                 }
             }
             if !woken || left.is_zero() {
@@ -164,9 +173,6 @@ impl<W: HostWire> FramedRig<W> {
         Ok(None)
     }
 }
-
-/// Frames that are thrown away before a run, at most: a wire that never falls silent is met by the greetings.
-const MOST_LEFT_BEHIND: usize = 10_000;
 
 /// What greetings met instead of an answer.
 #[derive(Clone, Copy)]
@@ -255,12 +261,13 @@ fn stop_several(wire: &impl HostWire, frame: &[u8]) -> Result<(), Broken> {
     result
 }
 
-/// Real-time: no. The number of a run's session: the finaliser of SplitMix64, whose 32 upper bits are well mixed.
+/// Real-time: no. The number of a run's session: the finaliser of SplitMix64, whose 32 upper bits are well mixed. Never 0, which
+/// a rig puts into answers to hosts of another version.
 fn session(seed: u64, run: u64) -> u32 {
     let mut x = seed.wrapping_add(run.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15));
     x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((x ^ (x >> 31)) >> 32) as u32
+    (((x ^ (x >> 31)) >> 32) as u32).max(1)
 }
 
 /// Real-time: no. Rounded up to whole milliseconds.

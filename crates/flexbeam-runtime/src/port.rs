@@ -101,12 +101,12 @@ fn serial(rest: &str) -> Result<Port, OpenError> {
         Some((device, speed)) if is_number(speed) => (device, speed.parse().ok()),
         _ => (rest, Some(DEFAULT_BAUD)),
     };
-    let baud = speed.filter(|baud| SPEEDS.iter().any(|(speed, _)| speed == baud));
+    let baud = speed.filter(|baud| SPEEDS.contains(baud));
     match baud {
         Some(baud) if !device.is_empty() => Ok(Port::Serial { device: device.into(), baud }),
         _ => Err(OpenError {
             found: format!("\"serial:{rest}\""),
-            needed: format!("serial:DEVICE:BAUD with one of {}", SPEEDS.map(|(speed, _)| speed.to_string()).join(", ")),
+            needed: format!("serial:DEVICE:BAUD with one of {}", SPEEDS.map(|speed| speed.to_string()).join(", ")),
             hint: "serial:/dev/ttyUSB0:921600; a device whose name ends in a colon and digits needs its speed named"
                 .into(),
         }),

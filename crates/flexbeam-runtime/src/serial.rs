@@ -8,10 +8,11 @@ use crate::framed::FramedRig;
 use crate::line::{LineReader, Stuffed};
 use crate::wire::{Broken, FrameBuffer, HostWire, Received, Wire};
 use nix::errno::Errno;
-use nix::sys::termios::{self, BaudRate, ControlFlags, FlushArg, SetArg, SpecialCharacterIndices};
+use nix::sys::termios::{self, ControlFlags, FlushArg, SetArg, SpecialCharacterIndices};
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, Read, Write};
+use std::mem::MaybeUninit;
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd, OwnedFd};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
@@ -21,26 +22,13 @@ use std::sync::Arc;
 pub const DEFAULT_BAUD: u32 = 921_600;
 
 /// The speeds that a line may have [baud].
-pub const SPEEDS: [(u32, BaudRate); 18] = [
-    (9_600, BaudRate::B9600),
-    (19_200, BaudRate::B19200),
-    (38_400, BaudRate::B38400),
-    (57_600, BaudRate::B57600),
-    (115_200, BaudRate::B115200),
-    (230_400, BaudRate::B230400),
-    (460_800, BaudRate::B460800),
-    (500_000, BaudRate::B500000),
-    (576_000, BaudRate::B576000),
-    (921_600, BaudRate::B921600),
-    (1_000_000, BaudRate::B1000000),
-    (1_152_000, BaudRate::B1152000),
-    (1_500_000, BaudRate::B1500000),
-    (2_000_000, BaudRate::B2000000),
-    (2_500_000, BaudRate::B2500000),
-    (3_000_000, BaudRate::B3000000),
-    (3_500_000, BaudRate::B3500000),
-    (4_000_000, BaudRate::B4000000),
+pub const SPEEDS: [u32; 18] = [
+    9_600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 500_000, 576_000, 921_600, 1_000_000, 1_152_000,
+    1_500_000, 2_000_000, 2_500_000, 3_000_000, 3_500_000, 4_000_000,
 ];
+
+/// How far from the speed asked for a device may be: with more, the last of a byte's bits is read in its neighbour's place.
+const SPEED_TOLERANCE: f64 = 0.02;
 
 const HINT: &str = "start the rig first, then check the device, the cable, and that both ends have one baud rate";
 
@@ -53,8 +41,8 @@ const CHUNK: usize = 512;
 pub type SerialRig = FramedRig<SerialWire>;
 
 impl SerialRig {
-    /// Real-time: no. `device` is a path such as `/dev/ttyUSB0`, `baud` one of [`SPEEDS`]; `seed` decides the sessions'
-    /// numbers, see [`FramedRig`], and has to differ from run to run.
+    /// Real-time: no. `device` is a path such as `/dev/ttyUSB0`, `baud` one of [`SPEEDS`]; the seed has to differ from
+    /// run to run, see [`FramedRig`].
     ///
     /// Errors: no such device, no permission, another program on it, not a serial line, a speed that it has not.
     pub fn open(device: &Path, baud: u32, seed: u64) -> Result<SerialRig, OpenError> {
@@ -81,7 +69,7 @@ impl SerialWire {
     ///
     /// Errors: as [`SerialRig::open`].
     pub fn open(device: &Path, baud: u32) -> Result<SerialWire, OpenError> {
-        let speed = speed(baud)?;
+        check_speed(baud)?;
         let tried = |error: io::Error| OpenError {
             found: format!("no way to use {} ({error})", device.display()),
             needed: "a serial line that this user may read and write, and no other program has".into(),
@@ -89,7 +77,7 @@ impl SerialWire {
                 .into(),
         };
         let file = opened(device).map_err(tried)?;
-        made_raw(&file, Some(speed)).map_err(tried)?;
+        made_raw(&file).and_then(|()| set_speed(&file, baud)).map_err(tried)?;
         termios::tcflush(&file, FlushArg::TCIOFLUSH).map_err(|errno| tried(errno.into()))?;
         Ok(SerialWire::over(file, None))
     }
@@ -177,11 +165,13 @@ impl HostWire for SerialWire {
 }
 
 /// Real-time: no.
-fn speed(baud: u32) -> Result<BaudRate, OpenError> {
-    let named = SPEEDS.iter().find(|(speed, _)| *speed == baud);
-    named.map(|(_, speed)| *speed).ok_or_else(|| OpenError {
+fn check_speed(baud: u32) -> Result<(), OpenError> {
+    if SPEEDS.contains(&baud) {
+        return Ok(());
+    }
+    Err(OpenError {
         found: format!("a speed of {baud} baud"),
-        needed: format!("one of {}", SPEEDS.map(|(speed, _)| speed.to_string()).join(", ")),
+        needed: format!("one of {}", SPEEDS.map(|speed| speed.to_string()).join(", ")),
         hint: "921600 is enough for 500 Hz, 2000000 for 1 kHz".into(),
     })
 }
@@ -208,23 +198,43 @@ fn is_pseudo_terminal(file: &File) -> io::Result<bool> {
 }
 
 /// Real-time: no. Bytes as they are: 8 data bits, no parity, one stop bit, no flow control; a read without data fails at once.
-fn made_raw(line: impl AsFd, speed: Option<BaudRate>) -> io::Result<()> {
+fn made_raw(line: impl AsFd) -> io::Result<()> {
     let mut settings = termios::tcgetattr(&line)?;
     termios::cfmakeraw(&mut settings);
     settings.control_flags.remove(ControlFlags::CSTOPB | ControlFlags::PARENB | ControlFlags::CRTSCTS);
     settings.control_flags.insert(ControlFlags::CLOCAL | ControlFlags::CREAD);
     settings.control_chars[SpecialCharacterIndices::VMIN as usize] = 1;
     settings.control_chars[SpecialCharacterIndices::VTIME as usize] = 0;
-    if let Some(speed) = speed {
-        termios::cfsetspeed(&mut settings, speed)?;
-    }
     Ok(termios::tcsetattr(&line, SetArg::TCSANOW, &settings)?)
+}
+
+/// Real-time: no. By number, past the C library: the meaning of its speed constants depends on its version.
+fn set_speed(line: &File, baud: u32) -> io::Result<()> {
+    let mut settings = settings_by_number(line)?;
+    settings.c_cflag = settings.c_cflag & !libc::CBAUD & !libc::CIBAUD | libc::BOTHER;
+    (settings.c_ispeed, settings.c_ospeed) = (baud, baud);
+    // SAFETY: the descriptor is open, and the kernel reads a structure that outlives the call.
+    Errno::result(unsafe { libc::ioctl(line.as_raw_fd(), libc::TCSETS2, &raw const settings) })?;
+    let taken = settings_by_number(line)?.c_ospeed;
+    if (f64::from(taken) / f64::from(baud) - 1.0).abs() > SPEED_TOLERANCE {
+        return Err(io::Error::other(format!("the device takes {taken} baud in place of {baud}")));
+    }
+    Ok(())
+}
+
+/// Real-time: no.
+fn settings_by_number(line: &File) -> io::Result<libc::termios2> {
+    let mut settings = MaybeUninit::<libc::termios2>::uninit();
+    // SAFETY: the descriptor is open, and the kernel writes the whole of a structure that outlives the call.
+    Errno::result(unsafe { libc::ioctl(line.as_raw_fd(), libc::TCGETS2, settings.as_mut_ptr()) })?;
+    // SAFETY: the call has succeeded, so the kernel has written it.
+    Ok(unsafe { settings.assume_init() })
 }
 
 /// Real-time: no.
 fn pseudo_terminal() -> io::Result<(SerialWire, PathBuf)> {
     let pair = nix::pty::openpty(None, None)?;
-    made_raw(&pair.slave, None)?;
+    made_raw(&pair.slave)?;
     let device = nix::unistd::ttyname(&pair.slave)?;
     let flags = nix::fcntl::OFlag::O_RDWR | nix::fcntl::OFlag::O_NONBLOCK;
     nix::fcntl::fcntl(&pair.master, nix::fcntl::FcntlArg::F_SETFL(flags))?;

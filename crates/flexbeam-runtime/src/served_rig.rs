@@ -88,6 +88,7 @@ pub enum ServeError {
 }
 
 impl From<Broken> for ServeError {
+    /// Real-time: no.
     fn from(broken: Broken) -> ServeError {
         ServeError::Line { errno: broken.errno }
     }

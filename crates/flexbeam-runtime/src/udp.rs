@@ -19,9 +19,8 @@ const HINT: &str = "start the rig first, then check address, port, cable and fir
 pub type UdpRig = FramedRig<UdpWire>;
 
 impl UdpRig {
-    /// Real-time: no. `address` is `HOST:PORT`, an IPv6 host in brackets; `seed` decides the sessions' numbers, see
-    /// [`FramedRig`], and has to differ from run to run. Nothing is sent before
-    /// [`prepare`](crate::back_end::BackEnd::prepare).
+    /// Real-time: no. `address` is `HOST:PORT`, an IPv6 host in brackets; the seed has to differ from run to run, see
+    /// [`FramedRig`]. Nothing is sent before [`prepare`](crate::back_end::BackEnd::prepare).
     ///
     /// Errors: no such host, or no socket to be had.
     pub fn open(address: &str, seed: u64) -> Result<UdpRig, OpenError> {
