@@ -17,7 +17,7 @@ fn main() {
         start_unix_ns: 1_700_000_000_000_000_000,
         port: "sim".into(),
         provenance: Provenance::default(),
-        controller: Vec::new(),
+        controller: None,
     };
     let samples: Vec<RunSample> = (0..TICKS).map(sample).collect();
     let start = Instant::now();

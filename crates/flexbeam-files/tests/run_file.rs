@@ -25,7 +25,7 @@ fn header() -> RunHeader {
                 parent("../rig, the \"long\" one.toml", "flexbeam.rig/1"),
             ],
         },
-        controller: b"schema = \"flexbeam.controller/1\"\norder = 4\n".to_vec(),
+        controller: Some(b"schema = \"flexbeam.controller/1\"\norder = 4\n".to_vec()),
     }
 }
 

@@ -30,18 +30,20 @@ pub fn open_loop_setup(voltages_v: Arc<[f64]>, limits: &kernel::Settings, like: 
     }
 }
 
-/// Drives these voltages and keeps every sample, until they are over or `enough` says so.
+/// Drives these voltages and keeps every sample, beside other sinks, until they are over or `enough` says so.
 ///
 /// Real-time: no; it waits for the end.
 /// Errors: [`NotArmed`].
 pub fn drive(
     back_end: Box<dyn BackEnd>,
     setup: Setup,
+    mut sinks: Vec<Box<dyn Sink>>,
     enough: impl FnMut(&Sample) -> bool + Send + 'static,
 ) -> Result<(Outcome, Vec<Sample>), NotArmed> {
     let kept = Kept { samples: Arc::default(), controls: Arc::default(), enough: Box::new(enough) };
     let (samples, controls) = (kept.samples.clone(), kept.controls.clone());
-    let session = Session::arm(back_end, setup, vec![Box::new(kept)])?;
+    sinks.push(Box::new(kept));
+    let session = Session::arm(back_end, setup, sinks)?;
     *lock(&controls) = Some(session.controls.clone());
     let outcome = session.finish();
     let samples = std::mem::take(&mut *lock(&samples));

@@ -34,7 +34,8 @@ fn base() -> Setup {
 
 fn at_rest(rig: Box<dyn BackEnd>) -> (Vec<Sample>, Box<dyn BackEnd>) {
     let still: Arc<[f64]> = vec![0.0; 300].into();
-    let (outcome, samples) = drive(rig, open_loop_setup(still, &Settings::default(), &base()), |_| false).unwrap();
+    let (outcome, samples) =
+        drive(rig, open_loop_setup(still, &Settings::default(), &base()), Vec::new(), |_| false).unwrap();
     (samples, outcome.back_end.unwrap())
 }
 
@@ -43,7 +44,7 @@ fn checked(wiring: Wiring, parameters: &RigParameters) -> (Result<SignsAgree, No
     let zero = zero_of(&samples).unwrap();
     let mut watch = SignWatch::new(zero, 1e-3);
     let setup = open_loop_setup(sign_check_voltages(1.5, 2.0, 1e-3), &Settings::default(), &base());
-    let (_, samples) = drive(rig, setup, move |sample| watch.enough(sample)).unwrap();
+    let (_, samples) = drive(rig, setup, Vec::new(), move |sample| watch.enough(sample)).unwrap();
     let furthest = samples.iter().fold(0.0_f64, |far, s| far.max((s.measured.theta_rad - zero.theta_rad).abs()));
     (signs_of(&samples, &zero), furthest)
 }

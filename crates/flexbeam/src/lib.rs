@@ -11,6 +11,7 @@ mod failure;
 mod identify;
 mod law;
 mod nominal;
+mod on_rig;
 mod output;
 mod poles;
 mod port;

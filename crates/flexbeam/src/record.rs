@@ -1,4 +1,7 @@
-//! `flexbeam record`: white Gaussian voltage through the simulated rig, into a CSV file with a note beside it.
+//! `flexbeam record`: white Gaussian voltage through a rig. The simulated rig takes no time and leaves a CSV file with a note beside
+//! it; a rig at another port, and every recording whose name ends in .mcap, is driven on the clock.
+
+mod on_clock;
 
 use std::path::Path;
 
@@ -9,8 +12,10 @@ use flexbeam_ident::excitation::white_gaussian;
 use flexbeam_lti::Signals;
 use flexbeam_report::significant;
 use flexbeam_rig::{RigParameters, SimulatedRig, open_loop};
+use flexbeam_runtime::port::Port;
 
 use crate::output::{overwrite, provenance, waiting};
+use crate::port::port;
 use crate::response::linear_rig;
 use crate::rig_file::rig_parameters;
 use crate::{Failure, cli};
@@ -38,16 +43,24 @@ pub fn run(arguments: &cli::Record) -> Result<(), Failure> {
     if arguments.linear {
         parameters = linear_rig(&parameters);
     }
-    let sign = waiting("recording");
-    let signals = excited(&parameters, arguments.duration, arguments.rms, arguments.seed)
-        .map_err(|error| Failure::Input { tried: format!("record {}", csv.display()), error })?;
-
+    let port = port(&arguments.link.port)?;
+    let tried = format!("record {}", csv.display());
+    let on_clock = on_clock::Recording { arguments, port: &port, parameters: &parameters };
+    if csv.extension().is_some_and(|extension| extension == "mcap") {
+        return on_clock.as_run();
+    }
+    let signals = if port == Port::Simulated {
+        let _sign = waiting("recording");
+        excited(&parameters, arguments.duration, arguments.rms, arguments.seed)
+            .map_err(|error| Failure::Input { tried, error })?
+    } else {
+        on_clock.as_signals()?
+    };
     let bytes = csv_text(&signals, None).into_bytes();
     let parents: Vec<&Path> = arguments.rig.iter().map(|path| path.as_path()).collect();
     let text = Note::new(&signals, &bytes, provenance(&parents, &note)?).to_toml(&note)?;
     write_bytes(csv, &bytes, replace)?;
     write_bytes(&note, text.as_bytes(), replace_note)?;
-    sign.finish_and_clear();
     answer(arguments, &signals, &bytes);
     Ok(())
 }
@@ -61,6 +74,21 @@ pub(crate) fn excited(
     rms_v: f64,
     seed: u64,
 ) -> Result<Signals, Box<dyn std::error::Error>> {
+    let voltage_v = excitation(parameters, duration_s, rms_v, seed)?;
+    // The sensors' noise must not be the excitation once more: another seed, as far from this one as can be.
+    let mut rig = SimulatedRig::new(parameters, !seed)?;
+    Ok(open_loop(&mut rig, &voltage_v)?)
+}
+
+/// White Gaussian voltage of this rms, a sample a period, clipped at the amplifier's limit.
+///
+/// Errors: a duration, period or rms of which no recording can be made.
+fn excitation(
+    parameters: &RigParameters,
+    duration_s: f64,
+    rms_v: f64,
+    seed: u64,
+) -> Result<Vec<f64>, Box<dyn std::error::Error>> {
     let wrong = |setting, found, unit, needed, hint| Err(NoExperiment { setting, found, unit, needed, hint }.into());
     let period_s = parameters.period_s;
     if !(period_s > 0.0 && period_s.is_finite()) {
@@ -86,10 +114,7 @@ pub(crate) fn excited(
             "half of the amplifier's limit: --rms 5",
         );
     }
-    let voltage_v = white_gaussian(samples as usize, rms_v, parameters.actuator.limit_v, seed);
-    // The sensors' noise must not be the excitation once more: another seed, as far from this one as can be.
-    let mut rig = SimulatedRig::new(parameters, !seed)?;
-    Ok(open_loop(&mut rig, &voltage_v)?)
+    Ok(white_gaussian(samples as usize, rms_v, parameters.actuator.limit_v, seed))
 }
 
 /// A day at 1 kHz; beyond it the CSV file fills memory.

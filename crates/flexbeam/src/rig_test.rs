@@ -6,11 +6,16 @@ use flexbeam_files as files;
 use flexbeam_files::{Controller, Document, Overwrite, json_text};
 use flexbeam_ident::breakaway::{Breakaway, Detection, Thresholds, breakaway as breakaway_of};
 use flexbeam_ident::excitation::SlowRamp;
+use flexbeam_lti::Signals;
 use flexbeam_report::{Cell, Table};
 use flexbeam_rig::{RigParameters, SimulatedRig, open_loop};
+use flexbeam_runtime::Cause;
+use flexbeam_runtime::port::Port;
 
 use crate::identify::Hinted;
 use crate::law::{residual_v, test_result, with_thresholds};
+use crate::on_rig::{RigAt, drive_rig, signals_of};
+use crate::port::port;
 use crate::record::MOST_SAMPLES;
 use crate::rig_file::rig_parameters;
 use crate::{Failure, cli};
@@ -24,6 +29,11 @@ struct NoRamp {
     hint: &'static str,
 }
 
+/// A rig that ended its test.
+#[derive(Debug, thiserror::Error)]
+#[error("the rig test broke off, 0 V: {0}")]
+struct BrokenOff(String);
+
 /// The ramp of the command line's defaults.
 ///
 /// The beam of the paper's rig swings on a stuck hub with a time constant of ten seconds; after two seconds of rest its swing
@@ -35,7 +45,13 @@ pub fn run(arguments: &cli::RigTest) -> Result<(), Failure> {
     let controller = arguments.apply_to.as_deref().map(Controller::read).transpose()?;
     let parameters = rig_parameters(arguments.rig.as_deref())?;
     let ramp = SlowRamp { peak_v: arguments.highest, rate_v_s: arguments.slope, rest_s: arguments.rest };
-    let (found, detection) = breakaway(&parameters, &ramp, arguments.seed)?;
+    let (found, detection) = match port(&arguments.link.port)? {
+        Port::Simulated => breakaway(&parameters, &ramp, arguments.seed)?,
+        port => {
+            let rig = RigAt { port: &port, link: &arguments.link, simulated: &parameters, seed: arguments.seed };
+            breakaway_at(&rig, arguments.period, &ramp)?
+        }
+    };
 
     let law = law(arguments.law, controller.as_ref());
     let thresholds = match law {
@@ -57,29 +73,51 @@ pub(crate) fn breakaway(
     ramp: &SlowRamp,
     seed: u64,
 ) -> Result<(Breakaway, Detection), Failure> {
-    let tried = "measure the breakaway voltages";
+    check(ramp, parameters.period_s)?;
+    let mut rig = SimulatedRig::new(parameters, seed).map_err(Failure::while_trying(TRIED))?;
+    let voltage_v = ramp.voltage(parameters.period_s);
+    let signals = open_loop(&mut rig, &voltage_v).map_err(Failure::while_trying(TRIED))?;
+    found(&signals, &detection(parameters))
+}
+
+/// The same of a rig at a port, on the clock.
+///
+/// Errors: those of [`breakaway`] and of [`drive_rig`]; a rig that faulted.
+fn breakaway_at(rig: &RigAt<'_>, period_s: f64, ramp: &SlowRamp) -> Result<(Breakaway, Detection), Failure> {
+    check(ramp, period_s)?;
+    let voltage_v = ramp.voltage(period_s);
+    let (outcome, samples) = drive_rig(rig, period_s, &voltage_v, || Ok(Vec::new()))?;
+    if outcome.report.cause != Cause::Over {
+        return Err(Failure::Fault(Box::new(BrokenOff(outcome.report.text))));
+    }
+    found(&signals_of(&samples, period_s)?, &Detection::default())
+}
+
+const TRIED: &str = "measure the breakaway voltages";
+
+fn check(ramp: &SlowRamp, period_s: f64) -> Result<(), Failure> {
     let positive = [
         ("a highest voltage of", ramp.peak_v, "well above the breakaway: --highest 0.6"),
         ("a slope of", ramp.rate_v_s, "slower than the hub can follow: --slope 0.02"),
         ("a rest of", ramp.rest_s, "until the beam stands still: --rest 30"),
+        ("a period of", period_s, "1 ms suits the beam: --period 0.001"),
     ];
     if let Some(&(setting, found, hint)) = positive.iter().find(|(_, x, _)| !(*x > 0.0 && x.is_finite())) {
-        return Err(Failure::while_trying(tried)(NoRamp { setting, found, hint }));
+        return Err(Failure::while_trying(TRIED)(NoRamp { setting, found, hint }));
     }
-    let samples = (3.0 * ramp.rest_s + 2.0 * ramp.peak_v / ramp.rate_v_s) / parameters.period_s;
-    if !(samples <= MOST_SAMPLES) {
-        let hint = "ramp and rests must fit into 10^8 periods: a steeper --slope, a shorter --rest";
-        return Err(Failure::while_trying(tried)(NoRamp { setting: "a test of samples", found: samples, hint }));
+    let samples = (3.0 * ramp.rest_s + 2.0 * ramp.peak_v / ramp.rate_v_s) / period_s;
+    if samples <= MOST_SAMPLES {
+        return Ok(());
     }
-    let mut rig = SimulatedRig::new(parameters, seed).map_err(Failure::while_trying(tried))?;
-    let voltage_v = ramp.voltage(parameters.period_s);
-    let signals = open_loop(&mut rig, &voltage_v).map_err(Failure::while_trying(tried))?;
-    let theta_rad: Vec<f64> = signals.data.row(1).iter().copied().collect();
-    let detection = detection(parameters);
-    let found = breakaway_of(&voltage_v, &theta_rad, parameters.period_s, &detection)
-        .map_err(Hinted)
-        .map_err(Failure::while_trying(tried))?;
-    Ok((found, detection))
+    let hint = "ramp and rests must fit into 10^8 periods: a steeper --slope, a shorter --rest";
+    Err(Failure::while_trying(TRIED)(NoRamp { setting: "a test of samples", found: samples, hint }))
+}
+
+/// Where the hub broke away in a recorded ramp.
+fn found(signals: &Signals, detection: &Detection) -> Result<(Breakaway, Detection), Failure> {
+    let row = |k: usize| signals.data.row(k).iter().copied().collect::<Vec<f64>>();
+    let found = breakaway_of(&row(0), &row(1), signals.period_s, detection);
+    Ok((found.map_err(Hinted).map_err(Failure::while_trying(TRIED))?, *detection))
 }
 
 /// The encoder's resolution stands on its data sheet; an exact one is taken as the usual one.

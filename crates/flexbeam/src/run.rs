@@ -1,25 +1,22 @@
 //! `flexbeam run`: a controller on the clock, on a rig.
 
-mod arming;
 mod certified;
 mod lines;
 mod reference;
 
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use flexbeam_files::{Controller, Document, Overwrite, RunFile, RunHeader, RunResult, json_text};
-use flexbeam_kernel as kernel;
 use flexbeam_report::{Cell, Table, engineering};
 use flexbeam_rig::RigParameters;
 use flexbeam_runtime::port::Port;
 use flexbeam_runtime::{
-    Cause, ControlSocket, ControllerData, EventKind, FrozenLimit, Latest, Live, Outcome, Phase, RunContext, RunSink,
-    Session, Setup, Sink, Steering, run_result, with_table,
+    Cause, ControlSocket, ControllerData, EventKind, Latest, Live, Outcome, RunContext, RunSink, Session, Setup, Sink,
+    Steering, run_result,
 };
 
 use crate::controller_file::kernel_settings;
+use crate::on_rig::{home, setup_on};
 use crate::output::provenance;
 use crate::port::{self, now_unix_ns};
 use crate::response::rig_at;
@@ -27,15 +24,13 @@ use crate::{Failure, cli};
 
 /// Something about the run that makes no sense.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum NoRun {
-    #[error("found {name} of {found}, needed {needed}\nhint: `flexbeam run --help` lists units and defaults")]
-    Setting { name: &'static str, found: f64, needed: &'static str },
+enum NoRun {
+    #[error("found --duration {0} s, needed a positive number\nhint: without --duration it runs until it is stopped")]
+    Duration(f64),
     #[error(
         "found a controller designed for a delay of {delay_s} s, needed {period_s} s: the loop has one period of delay\nhint: design it again with --period {period_s}"
     )]
     Delay { delay_s: f64, period_s: f64 },
-    #[error("found no control over signals ({0}), needed it for Ctrl-C\nhint: start it from a plain terminal")]
-    Signals(std::io::Error),
 }
 
 /// The rig faulted and was stopped.
@@ -64,7 +59,7 @@ pub fn run(arguments: &cli::Run) -> Result<(), Failure> {
     let back_end = port::open(&plan.port, &plan.rig, arguments.seed)?;
     let mut setup = plan.setup.clone();
     let homed = plan.port != Port::Simulated || arguments.home;
-    let back_end = if homed { arming::home(back_end, &mut setup, arguments.link.sign_check)? } else { back_end };
+    let back_end = if homed { home(back_end, &mut setup, arguments.link.sign_check)? } else { back_end };
 
     let file = RunFile::create(&arguments.out, overwrite, &RunHeader { start_unix_ns: now_unix_ns(), ..header })?;
     let context = RunContext { port: plan.port.to_string(), period_s: setup.period_s };
@@ -126,24 +121,14 @@ impl Plan {
             start_unix_ns: 0,
             port: self.port.to_string(),
             provenance: provenance(&parents, &arguments.out)?,
-            controller: flexbeam_files::read_bytes(&arguments.controller)?,
+            controller: Some(flexbeam_files::read_bytes(&arguments.controller)?),
         })
     }
 }
 
 fn check(arguments: &cli::Run, file: &Controller) -> Result<(), NoRun> {
-    let positive = [
-        ("--hold [s]", arguments.link.hold),
-        ("--duration [s]", arguments.duration.unwrap_or(1.0)),
-        ("--max-angle-deg", arguments.max_angle_deg),
-        ("--max-speed-deg-s", arguments.max_speed_deg_s),
-    ];
-    if let Some(&(name, found)) = positive.iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
-        return Err(NoRun::Setting { name, found, needed: "a positive number" });
-    }
-    let volts = arguments.link.sign_check;
-    if !(volts >= 0.0 && volts.is_finite()) {
-        return Err(NoRun::Setting { name: "--sign-check [V]", found: volts, needed: "zero or a positive number" });
+    if let Some(duration_s) = arguments.duration.filter(|s| !(*s > 0.0 && s.is_finite())) {
+        return Err(NoRun::Duration(duration_s));
     }
     let (delay_s, period_s) = (file.design.delay_s, file.period_s);
     /// Rounding of a text file.
@@ -152,39 +137,11 @@ fn check(arguments: &cli::Run, file: &Controller) -> Result<(), NoRun> {
 }
 
 fn setup(arguments: &cli::Run, file: &Controller) -> Result<Setup, Failure> {
-    let mut settings = kernel_settings(&file.settings, arguments.law.map(Into::into));
-    settings.theta_limit_rad = settings.theta_limit_rad.min(arguments.max_angle_deg.to_radians());
-    let speed_limit_rad_s = arguments.max_speed_deg_s.to_radians();
-    settings.theta_step_limit_rad = settings.theta_step_limit_rad.min(speed_limit_rad_s * file.period_s);
-    let frozen = FrozenLimit::above_breakaway(settings.breakaway_plus_v, settings.breakaway_minus_v);
+    let settings = kernel_settings(&file.settings, arguments.law.map(Into::into));
     let live = Live { revision: 0, settings, reference: reference::of(arguments, file.period_s)? };
     let controller = ControllerData { order: file.order, coefficients: file.coefficients() };
-    Ok(Setup {
-        hold_s: arguments.link.hold,
-        duration_s: arguments.duration,
-        autostart: !arguments.wait,
-        core: arguments.link.core,
-        asked: asked_by_signal()?,
-        frozen,
-        ..Setup::new(controller, live, file.period_s)
-    })
-}
-
-/// The flag that Ctrl-C, a hang-up or a termination sets: to 0 V and to the end, within a period.
-pub fn asked_by_signal() -> Result<Arc<AtomicBool>, Failure> {
-    let asked = Arc::<AtomicBool>::default();
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
-        signal_hook::flag::register(signal, asked.clone())
-            .map_err(NoRun::Signals)
-            .map_err(Failure::while_trying("listen to signals"))?;
-    }
-    Ok(asked)
-}
-
-/// The settings of a run that knows nothing of a controller: the kernel's, and a file's limits over them.
-pub fn limits_of(file: Option<&Controller>) -> kernel::Settings {
-    let default = kernel::Settings::default();
-    file.map_or(default, |file| with_table(&default, &file.settings))
+    let setup = setup_on(&arguments.link, Setup::new(controller, live, file.period_s))?;
+    Ok(Setup { duration_s: arguments.duration, autostart: !arguments.wait, ..setup })
 }
 
 fn answer(arguments: &cli::Run, outcome: Outcome, context: &RunContext) -> Result<(), Failure> {
@@ -234,9 +191,4 @@ fn table(result: &RunResult) -> Table {
     counts
         .into_iter()
         .fold(table, |table, (name, n)| table.row([name.into(), count(n), "".into(), "".into(), "".into()]))
-}
-
-/// Whether a session still waits for its start.
-pub(crate) fn is_waiting(session: &Session) -> bool {
-    session.controls.phase() == Phase::Armed
 }

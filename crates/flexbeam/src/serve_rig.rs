@@ -11,11 +11,15 @@ use flexbeam_runtime::serial::SerialWire;
 use flexbeam_runtime::served_rig::{OnSession, ServeOptions, ServedReport, serve};
 use flexbeam_runtime::udp::UdpRigWire;
 use flexbeam_runtime::wire::Wire;
+use flexbeam_runtime::{LOOP_PRIORITY, Standing};
 
+use crate::on_rig::asked_by_signal;
 use crate::port::{port, unlike_any_other};
 use crate::rig_file::rig_parameters;
-use crate::run::asked_by_signal;
 use crate::{Failure, cli};
+
+/// Below a loop on the same machine, so that the loop's clock comes first.
+const RIG_PRIORITY: i32 = LOOP_PRIORITY - 10;
 
 /// A place at which no rig can listen.
 #[derive(Debug, thiserror::Error)]
@@ -69,6 +73,8 @@ fn served(
 ) -> Result<ServedReport, Failure> {
     let on_session = if arguments.carry_on { OnSession::Carry } else { OnSession::Reset };
     let options = ServeOptions { on_session, boots: unlike_any_other() as u32 };
+    // A rig that answers late looks like one that lost a frame. What is refused costs only that.
+    Standing::claim(RIG_PRIORITY, None);
     eprintln!("the rig listens at {place}; Ctrl-C ends it");
     serve(rig, &mut wire, options, stop).map_err(|error| Failure::Fault(Box::new(error)))
 }

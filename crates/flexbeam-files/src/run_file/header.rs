@@ -29,8 +29,8 @@ pub struct RunHeader {
     pub port: String,
     /// Tool, command, and the files that the run was made of: controller, project, rig.
     pub provenance: Provenance,
-    /// The controller file's bytes.
-    pub controller: Vec<u8>,
+    /// The controller file's bytes; nothing where the voltages were a list, as in a recording for identification.
+    pub controller: Option<Vec<u8>>,
 }
 
 impl RunHeader {
@@ -48,15 +48,18 @@ impl RunHeader {
     /// As the metadata record: text by name.
     pub(super) fn record(&self) -> mcap::records::Metadata {
         let parents = serde_json::to_string(&self.provenance.parents).expect("parents have string keys only");
-        let optional = [("command", &self.provenance.command), ("time", &self.provenance.time)];
-        let optional = optional.into_iter().filter_map(|(key, text)| Some((key, text.clone()?)));
+        let optional = [
+            ("command", self.provenance.command.clone()),
+            ("time", self.provenance.time.clone()),
+            ("controller_sha256", self.controller.as_deref().map(sha256_hex)),
+        ];
+        let optional = optional.into_iter().filter_map(|(key, text)| Some((key, text?)));
         let always = [
             ("schema", RUN_SCHEMA.to_string()),
             ("tool", self.provenance.tool.clone()),
             ("period_s", format!("{:?}", self.period_s)),
             ("start_unix_ns", self.start_unix_ns.to_string()),
             ("port", self.port.clone()),
-            ("controller_sha256", sha256_hex(&self.controller)),
             ("parents", parents),
         ];
         let metadata = always.into_iter().chain(optional).map(|(key, text)| (key.to_string(), text)).collect();
@@ -81,7 +84,7 @@ impl RunHeader {
             start_unix_ns: number(text("start_unix_ns")?, "start_unix_ns", "a whole number")?,
             port: text("port")?,
             provenance: provenance(metadata).ok_or_else(|| Fault::MissingKey { key: "parents".into() })?,
-            controller: Vec::new(),
+            controller: None,
         })
     }
 }

@@ -198,7 +198,7 @@ impl Content {
     fn attachment(&mut self, body: &[u8]) -> Result<(), String> {
         let (name, data) = attachment(body).ok_or("an attachment that does not fit its check sum")?;
         if name == CONTROLLER.as_bytes() {
-            self.header.controller = data.to_vec();
+            self.header.controller = Some(data.to_vec());
         }
         Ok(())
     }

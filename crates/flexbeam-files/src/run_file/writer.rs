@@ -39,13 +39,15 @@ impl<W: Write + Seek> RunWriter<W> {
     fn begun(w: Guard<W>, header: &RunHeader, failed: &Failed) -> Result<RunWriter<W>, McapError> {
         let mut writer = options(header).create(w)?;
         writer.write_metadata(&header.record())?;
-        writer.attach(&Attachment {
-            log_time: header.start_unix_ns,
-            create_time: header.start_unix_ns,
-            name: CONTROLLER.into(),
-            media_type: "application/toml".into(),
-            data: header.controller.as_slice().into(),
-        })?;
+        if let Some(controller) = &header.controller {
+            writer.attach(&Attachment {
+                log_time: header.start_unix_ns,
+                create_time: header.start_unix_ns,
+                name: CONTROLLER.into(),
+                media_type: "application/toml".into(),
+                data: controller.as_slice().into(),
+            })?;
+        }
         let (topic, schema_name) = SIGNALS;
         let schema = writer.add_schema(schema_name, "ros2msg", RunSample::DEFINITION.as_bytes())?;
         Ok(RunWriter {
@@ -214,7 +216,7 @@ mod tests {
             start_unix_ns: 1_700_000_000_000_000_000,
             port: "sim".into(),
             provenance: Provenance { tool: "flexbeam test".into(), ..Provenance::default() },
-            controller: b"order = 4\n".to_vec(),
+            controller: Some(b"order = 4\n".to_vec()),
         }
     }
 

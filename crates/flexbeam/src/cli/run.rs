@@ -22,6 +22,12 @@ pub struct RigLink {
     /// Highest voltage of the sign check before a real rig runs [V]; 0 leaves the check out
     #[arg(long, default_value_t = 1.5)]
     pub sign_check: f64,
+    /// Largest hub angle, either way; beyond it the rig is stopped [degree]
+    #[arg(long, default_value_t = 180.0)]
+    pub max_angle_deg: f64,
+    /// Largest hub speed; beyond it the rig is stopped [degree/s]
+    #[arg(long, default_value_t = 2000.0)]
+    pub max_speed_deg_s: f64,
 }
 
 /// `flexbeam run`
@@ -59,12 +65,6 @@ pub struct Run {
     /// Variable-structure law; that of the controller file by default
     #[arg(long, value_enum)]
     pub law: Option<Law>,
-    /// Largest hub angle, either way, where the controller file names none [degree]
-    #[arg(long, default_value_t = 180.0)]
-    pub max_angle_deg: f64,
-    /// Largest hub speed, where the controller file names none [degree/s]
-    #[arg(long, default_value_t = 2000.0)]
-    pub max_speed_deg_s: f64,
     /// Home the simulated rig as a real one: find its zeroes and check its signs
     #[arg(long)]
     pub home: bool,
