@@ -51,14 +51,14 @@ pub use project::Project;
 pub use provenance::{Parent, Provenance, State, Step, trace};
 pub use recording::{FEWEST_ROWS, Layout, PERIOD_TOLERANCE, Recording, STEP_TOLERANCE, write_signals};
 pub use results::{
-    ColumnSummary, DesignResult, DistributedBeam, ExportResult, Figure, IdentifyResult, MonteCarlo, RationalCoefficients,
-    RecordResult, RecordingSummary, ReferenceModel, RigTestResult, SampledRadius, ShowResult, SimulateResult,
-    SolvabilityResult, Spread, VerifyResult, json_text,
+    ColumnSummary, DesignResult, DistributedBeam, ExportResult, Figure, IdentifyResult, MonteCarlo,
+    RationalCoefficients, RecordResult, RecordingSummary, ReferenceModel, RigTestResult, SampledRadius, ShowResult,
+    SimulateResult, SolvabilityResult, Spread, VerifyResult, json_text,
 };
 pub use rig::{Rig, RigActuator, RigEncoder, RigFriction, RigGauge, RigLink, RigLumped, RigPhysical, Sees};
 pub use run_file::{
-    CutOff, LiveSettings, RUN_SCHEMA, RunColumns, RunEvent, RunFault, RunFile, RunHeader, RunPhase, RunRecording, RunReference, RunSample,
-    RunShape, RunSummary, RunWriter, Stretch,
+    CutOff, LiveSettings, RUN_SCHEMA, RunColumns, RunEvent, RunFault, RunFile, RunHeader, RunPhase, RunRecording,
+    RunReference, RunSample, RunShape, RunSummary, RunWriter, Stretch,
 };
 pub use settings::{Channel, Law, Settings};
 pub use stiffness::{NoStiffness, Stiffness};

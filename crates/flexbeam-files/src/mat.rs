@@ -1,8 +1,9 @@
 //! MATLAB's binary files, level 5, as far as a recording needs them: columns of doubles, numbers and text, uncompressed.
 //!
-//! Enters: names and values. Leaves: the file's bytes, the same for the same values. Deliberately absent: reading; the date that
-//! MATLAB itself writes into the head.
+//! Enters: names and values. Leaves: the file's bytes, the same for the same values. Deliberately absent: reading; the date
+//! that MATLAB itself writes into the head.
 //!
+//! By hand, because the crate matrw 0.1 writes the date and keeps the errors of writing to itself.
 //! Source: MathWorks, MAT-File Format, "Level 5 MAT-files". Text goes as UTF-16, as MATLAB holds it.
 
 use crate::fault::Fault;
@@ -135,7 +136,8 @@ mod tests {
     #[test]
     fn elements_are_whole_eights() {
         let column = MatVariable::Column(vec![1.0, -0.0, f64::NAN]);
-        let bytes = mat_bytes(&[("theta_rad".into(), column), ("tool".into(), MatVariable::Text("é!".into()))]).unwrap();
+        let bytes =
+            mat_bytes(&[("theta_rad".into(), column), ("tool".into(), MatVariable::Text("é!".into()))]).unwrap();
         assert_eq!((bytes.len() % 8, &bytes[124..128], is_ours(&bytes)), (0, &[0, 1, b'I', b'M'][..], true));
         assert_eq!(bytes[128..132], 14u32.to_le_bytes());
         // Tags of the array and its parts, flags, dimensions, the padded name, three doubles.
@@ -148,7 +150,9 @@ mod tests {
 
     #[test]
     fn names_are_made_acceptable_and_must_differ() {
-        for (name, expected) in [("theta_rad", "theta_rad"), ("y; filtered", "y__filtered"), ("3rd", "x3rd"), ("_", "x_")] {
+        for (name, expected) in
+            [("theta_rad", "theta_rad"), ("y; filtered", "y__filtered"), ("3rd", "x3rd"), ("_", "x_")]
+        {
             assert_eq!(mat_name(name), expected);
         }
         assert_eq!(mat_name(&"a".repeat(100)).len(), 63);

@@ -10,7 +10,8 @@ const PERIOD_S: f64 = 0.001;
 const FLUSH_TICKS: u64 = 100;
 
 fn header() -> RunHeader {
-    let parent = |path: &str, schema: &str| Parent { path: path.into(), sha256: "0".repeat(64), schema: Some(schema.into()) };
+    let parent =
+        |path: &str, schema: &str| Parent { path: path.into(), sha256: "0".repeat(64), schema: Some(schema.into()) };
     RunHeader {
         period_s: PERIOD_S,
         start_unix_ns: 1_764_180_000_123_456_789,
@@ -42,11 +43,11 @@ fn sample(tick: u64) -> RunSample {
         tick,
         voltage_v: angle(),
         commanded_v: angle(),
-        u_v: if tick % 7 == 0 { f64::NAN } else { -0.0 },
+        u_v: if tick.is_multiple_of(7) { f64::NAN } else { -0.0 },
         reference_rad: angle(),
         smoothed_rad: angle(),
         theta_rad: angle(),
-        alpha_rad: if tick % 5 == 0 { f64::NEG_INFINITY } else { 5e-324 },
+        alpha_rad: if tick.is_multiple_of(5) { f64::NEG_INFINITY } else { 5e-324 },
         psi_rad: angle(),
         y_model_rad: angle(),
         error_rad: angle(),
@@ -60,9 +61,9 @@ fn sample(tick: u64) -> RunSample {
 }
 
 fn live(revision: u32, tick: u64) -> LiveSettings {
-    let settings = Settings { law: Some(Law::Switched), eps_u_v: Some(0.1 + f64::from(revision)), ..Settings::default() };
-    let reference =
-        RunReference { shape: RunShape::Square, amplitude_rad: 0.1 + 0.2, period_s: 2.0, offset_rad: 0.0 };
+    let settings =
+        Settings { law: Some(Law::Switched), eps_u_v: Some(0.1 + f64::from(revision)), ..Settings::default() };
+    let reference = RunReference { shape: RunShape::Square, amplitude_rad: 0.1 + 0.2, period_s: 2.0, offset_rad: 0.0 };
     LiveSettings { revision, tick, settings, reference }
 }
 
@@ -284,14 +285,15 @@ fn the_longest_stretch_without_a_gap_is_the_recording() {
     assert_eq!(theta.data.iter().copied().collect::<Vec<_>>(), (61..90).map(f64::from).collect::<Vec<_>>());
     assert_eq!((theta.period_s, read.time_s.as_ref().map(|t| t[0])), (PERIOD_S, Some(0.061)));
     let notice = read.notice.expect("a notice");
-    for words in ["of 78 samples", "29 of them", "2 ticks are missing", "1 measurements are stale"] {
+    for words in ["of 78 samples", "29 of them", "ticks missing: 2", "stale measurements: 1"] {
         assert!(notice.contains(words), "{words}: {notice}");
     }
 }
 
 #[test]
 fn a_run_without_gaps_is_taken_whole_and_silently() {
-    let read = recording(&patchy(|tick| Some((if tick < 5 { RunPhase::Armed } else { RunPhase::Running }, false)))).unwrap();
+    let read =
+        recording(&patchy(|tick| Some((if tick < 5 { RunPhase::Armed } else { RunPhase::Running }, false)))).unwrap();
     assert_eq!((read.signals.samples(), read.notice), (95, None));
     assert_eq!(read.signals.names[..3], ["voltage_v", "commanded_v", "u_v"]);
     assert_eq!(read.signals.units[5], "rad");
@@ -337,6 +339,8 @@ fn a_run_has_its_name_when_it_is_complete() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let mut file = RunFile::create(&path, Overwrite::Refuse, &header()).unwrap();
+    let begun = RunRecording::read(&RunFile::part_path(&path)).unwrap();
+    assert_eq!((begun.header, begun.samples.samples()), (header(), 0));
     (0..50).for_each(|tick| file.sample(&sample(tick)).unwrap());
     file.flush().unwrap();
     assert_eq!(names(folder.path()), ["run.mcap.part".to_string()].into());
@@ -428,7 +432,8 @@ fn a_writer_that_is_dropped_closes_its_file() {
 #[test]
 fn a_walk_goes_through_a_run() {
     let folder = tempfile::tempdir().unwrap();
-    let [rig, controller, run] = ["rig.toml", "controllers/c.toml", "runs/run.mcap"].map(|name| folder.path().join(name));
+    let [rig, controller, run] =
+        ["rig.toml", "controllers/c.toml", "runs/run.mcap"].map(|name| folder.path().join(name));
     fs::create_dir(folder.path().join("runs")).unwrap();
     fs::create_dir(folder.path().join("controllers")).unwrap();
     Rig::default().write(&rig, Overwrite::Refuse).unwrap();
@@ -441,10 +446,13 @@ fn a_walk_goes_through_a_run() {
     assert_eq!((parent.path.as_str(), parent.schema.as_deref()), ("runs/run.mcap", Some(RUN_SCHEMA)));
     let steps = trace(&run).unwrap();
     let found: Vec<_> = steps.iter().map(|step| (step.generation, step.schema.as_deref(), step.state)).collect();
-    assert_eq!(found, [
-        (0, Some(RUN_SCHEMA), State::Start),
-        (1, Some("flexbeam.controller/1"), State::Same),
-        (1, Some("flexbeam.rig/1"), State::Same),
-    ]);
+    assert_eq!(
+        found,
+        [
+            (0, Some(RUN_SCHEMA), State::Start),
+            (1, Some("flexbeam.controller/1"), State::Same),
+            (1, Some("flexbeam.rig/1"), State::Same),
+        ]
+    );
     assert_eq!(steps[0].command.as_deref(), Some("flexbeam run controller.toml"));
 }

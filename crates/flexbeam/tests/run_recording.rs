@@ -36,7 +36,8 @@ fn a_run_is_identified() {
         assert!((found / truth - 1.0).abs() < 1e-6, "{key}: {found}");
     }
     let history: Vec<Value> = bench.json("show model.toml")["history"].as_array().unwrap().clone();
-    let seen: Vec<_> = history.iter().map(|step| (step["path"].as_str().unwrap(), step["state"].as_str().unwrap())).collect();
+    let seen: Vec<_> =
+        history.iter().map(|step| (step["path"].as_str().unwrap(), step["state"].as_str().unwrap())).collect();
     assert_eq!(seen, [("model.toml", "start"), ("run.mcap", "same"), ("controller.toml", "same")]);
     assert_eq!(history[1]["command"], "flexbeam run controller.toml");
 }
@@ -51,7 +52,7 @@ fn a_run_with_gaps_gives_its_longest_stretch_and_says_so() {
     std::fs::rename(bench.path("run.mcap"), bench.path("run.csv")).unwrap();
     let answer = bench.run("identify run.csv --order 4 --json");
     assert_eq!(answer.status, 0, "{}", answer.err);
-    for words in ["of 3999 samples", "3299 of them", "1 ticks are missing", "1 measurements are stale"] {
+    for words in ["of 3999 samples", "3299 of them", "ticks missing: 1", "stale measurements: 1"] {
         assert!(answer.err.contains(words), "{words}: {}", answer.err);
     }
     let result: Value = serde_json::from_str(&answer.out).unwrap();
@@ -68,7 +69,9 @@ fn show_tells_what_a_run_holds() {
     let shown = bench.json("show run.mcap");
     assert_eq!(shown["schema"], "flexbeam.run/1");
     let content = &shown["content"];
-    for (key, value) in [("samples", 599.0), ("running", 599.0), ("missed", 1.0), ("stale", 1.0), ("period_s", PERIOD_S)] {
+    for (key, value) in
+        [("samples", 599.0), ("running", 599.0), ("missed", 1.0), ("stale", 1.0), ("period_s", PERIOD_S)]
+    {
         assert_eq!(number(content, key), value, "{key}");
     }
     assert_eq!((content["port"].as_str(), &content["report"]), (Some("sim"), &json!({ "samples": 599 })));
@@ -79,7 +82,9 @@ fn show_tells_what_a_run_holds() {
     assert_eq!(theta["max"].as_f64(), record.theta_rad.iter().copied().reduce(f64::max));
     assert_eq!(theta["min"].as_f64(), record.theta_rad.iter().copied().reduce(f64::min));
     let text = bench.done("show run.mcap");
-    for words in ["1 ticks missed", "voltage_limit_v = 9", "by the test", "\"samples\":599", "flexbeam run controller.toml"] {
+    for words in
+        ["ticks missed: 1", "voltage_limit_v = 9", "by the test", "\"samples\":599", "flexbeam run controller.toml"]
+    {
         assert!(text.contains(words), "{words}: {text}");
     }
     assert_eq!(text.matches("law = none").count(), 1, "a revision tells what it changed: {text}");
@@ -159,7 +164,8 @@ fn an_export_takes_no_other_file_s_place() {
 
 fn read_by(python: &Path, script: &str, arguments: &[&str], bench: &Bench) -> Vec<String> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/python").join(script);
-    let output = Command::new(python).arg(script).args(arguments).current_dir(bench.path("")).output().expect("it starts");
+    let output =
+        Command::new(python).arg(script).args(arguments).current_dir(bench.path("")).output().expect("it starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).expect("text").lines().map(String::from).collect()
 }
@@ -200,8 +206,7 @@ fn the_public_packages_read_the_same_run() {
     });
     let ours = RunRecording::read(&bench.path("run.mcap")).unwrap();
     let start = ours.header.start_unix_ns;
-    let wanted: Vec<String> =
-        (0..ours.samples.samples()).map(|k| line(&ours.samples.get(k).unwrap(), start)).collect();
+    let wanted: Vec<String> = (0..ours.samples.samples()).map(|k| line(&ours.samples.get(k).unwrap(), start)).collect();
     for way in [&["run.mcap"][..], &["run.mcap", "--stream"]] {
         let lines = read_by(&python, "read_run.py", way, &bench);
         assert_eq!(lines_of(&lines, "sample"), wanted);
@@ -258,12 +263,15 @@ fn scipy_reads_the_same_columns() {
             format!("column {} 700 1 {column}", RunSample::NAMES[c])
         })
         .collect();
-    wanted.insert(0, format!("column time_s 700 1 {}", (0..700).map(|k| hex(f64::from(k) / 1000.0)).collect::<String>()));
+    wanted
+        .insert(0, format!("column time_s 700 1 {}", (0..700).map(|k| hex(f64::from(k) / 1000.0)).collect::<String>()));
     wanted.push(format!("column period_s 1 1 {}", hex(PERIOD_S)));
     assert_eq!(lines_of(&lines, "column"), wanted);
     let texts = lines_of(&lines, "text");
     let run_sha256 = sha256_hex(&std::fs::read(bench.path("run.mcap")).unwrap());
-    for text in ["source run.mcap", "port sim", &format!("source_sha256 {run_sha256}"), r#"report_json {"samples":700}"#] {
+    for text in
+        ["source run.mcap", "port sim", &format!("source_sha256 {run_sha256}"), r#"report_json {"samples":700}"#]
+    {
         assert!(texts.contains(&format!("text {text}").as_str()), "{text}: {texts:?}");
     }
     assert_eq!(answer["columns"].as_array().unwrap().len(), lines.len());

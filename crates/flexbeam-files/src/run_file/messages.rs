@@ -170,8 +170,7 @@ mod tests {
             theta: channel(),
             alpha: channel(),
         };
-        let reference =
-            RunReference { shape: RunShape::Sawtooth, amplitude_rad: 0.5, period_s: 2.0, offset_rad: 0.1 };
+        let reference = RunReference { shape: RunShape::Sawtooth, amplitude_rad: 0.5, period_s: 2.0, offset_rad: 0.1 };
         let live = LiveSettings { revision: 3, tick: 7, settings, reference };
         let event = RunEvent { tick: 1, time_s: 0.001, kind: "lost".into(), text: "an answer".into() };
         assert_same_keys(&serde_json::to_value(&live).unwrap(), &serde_json::from_str(SETTINGS.schema).unwrap());

@@ -52,8 +52,8 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// The next record's kind and body, and what follows it; nothing where it is incomplete or, as a disk's untouched blocks are,
-/// all zero.
+/// The next record's kind and body, and what follows it; nothing where it is incomplete or, as a disk's untouched blocks
+/// are, all zero.
 fn record(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
     let (&opcode, rest) = bytes.split_first()?;
     let (length, rest) = rest.split_first_chunk()?;
@@ -87,9 +87,9 @@ mod tests {
     use super::*;
 
     fn with(records: &[(u8, &[u8])]) -> Vec<u8> {
-        let written = records.iter().flat_map(|(opcode, body)| {
-            [&[*opcode][..], &(body.len() as u64).to_le_bytes(), body].concat()
-        });
+        let written = records
+            .iter()
+            .flat_map(|(opcode, body)| [&[*opcode][..], &(body.len() as u64).to_le_bytes(), body].concat());
         MAGIC.iter().copied().chain(written).collect()
     }
 

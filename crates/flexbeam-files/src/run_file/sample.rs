@@ -175,11 +175,9 @@ mod tests {
 
     #[test]
     fn phases_are_known_by_their_numbers() {
-        assert_eq!([0, 1, 2, 3].map(RunPhase::of), [
-            Some(RunPhase::Armed),
-            Some(RunPhase::Running),
-            Some(RunPhase::Stopped),
-            None
-        ]);
+        assert_eq!(
+            [0, 1, 2, 3].map(RunPhase::of),
+            [Some(RunPhase::Armed), Some(RunPhase::Running), Some(RunPhase::Stopped), None]
+        );
     }
 }

@@ -135,7 +135,8 @@ impl Failed {
     }
 }
 
-/// A stream that takes nothing more after its first error: what the writer does when it is dropped must not mend half a record.
+/// A stream that takes nothing more after its first error: what the writer does when it is dropped must not mend half a
+/// record.
 struct Guard<W> {
     inner: W,
     failed: Failed,
@@ -255,7 +256,8 @@ mod tests {
     fn after_an_error_every_call_answers_with_it() {
         let mut disk = Disk { bytes: Cursor::new(Vec::new()), room: 20_000, full: 0 };
         let mut writer = RunWriter::new(&mut disk, &header()).unwrap();
-        let sample = |tick| RunSample { tick, u_v: (tick as f64).cos(), psi_rad: (tick as f64).sin(), ..Default::default() };
+        let sample =
+            |tick| RunSample { tick, u_v: (tick as f64).cos(), psi_rad: (tick as f64).sin(), ..Default::default() };
         let refused = (0..100_000).find_map(|tick| writer.sample(&sample(tick)).and_then(|()| writer.flush()).err());
         assert_eq!(refused, Some(ErrorKind::StorageFull));
         assert_eq!(writer.sample(&sample(0)), Err(ErrorKind::StorageFull));
@@ -265,6 +267,14 @@ mod tests {
         assert_eq!(writer.finish(&()).err(), Some(ErrorKind::StorageFull));
         disk.room = usize::MAX;
         assert_eq!(disk.full, 1);
+    }
+
+    /// The thread that records is not the one that opens the file.
+    #[test]
+    fn a_writer_can_be_handed_to_a_thread() {
+        fn handed<T: Send>() {}
+        handed::<RunWriter<Cursor<Vec<u8>>>>();
+        handed::<crate::RunFile>();
     }
 
     #[test]

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use flexbeam_files::{
-    Document, Error, ExportResult, Fault, Layout, MatVariable, Note, Overwrite, RUN_SCHEMA, Recording, RunRecording, Tried,
-    check_free, check_free_for_mat, json_text, mat_bytes, mat_variables, read_bytes, schema_of, sha256_hex, write_bytes,
-    write_signals,
+    Document, Error, ExportResult, Fault, Layout, MatVariable, Note, Overwrite, RUN_SCHEMA, Recording, RunRecording,
+    Tried, check_free, check_free_for_mat, json_text, mat_bytes, mat_variables, read_bytes, schema_of, sha256_hex,
+    write_bytes, write_signals,
 };
 use flexbeam_lti::Signals;
 use flexbeam_report::engineering;
@@ -96,12 +96,7 @@ impl Content {
             ("events_json", json_text(&run.events)),
         ];
         texts.extend(run.report.as_ref().map(|report| ("report_json", json_text(report))));
-        Ok(Content {
-            signals: run.signals(all.clone()),
-            time_s: run.time_s(all),
-            texts,
-            notice: run.cut_off_notice(),
-        })
+        Ok(Content { signals: run.signals(all.clone()), time_s: run.time_s(all), texts, notice: run.cut_off_notice() })
     }
 }
 
@@ -121,7 +116,8 @@ fn mat(arguments: &cli::Export, content: &Content, replace: Overwrite) -> Result
     let origin = provenance(&[&arguments.file], &arguments.out)?;
     let source = origin.parents.first().map(|parent| parent.path.clone()).unwrap_or_default();
     let own = [("source", source), ("tool", origin.tool), ("command", origin.command.unwrap_or_default())];
-    let texts = own.iter().chain(&content.texts).map(|(name, text)| (name.to_string(), MatVariable::Text(text.clone())));
+    let texts =
+        own.iter().chain(&content.texts).map(|(name, text)| (name.to_string(), MatVariable::Text(text.clone())));
     let mut variables = mat_variables(&content.signals, content.time_s.clone());
     variables.extend(texts);
     let bytes = mat_bytes(&variables).map_err(|fault| Error::new(Tried::Write, &arguments.out, fault))?;

@@ -67,8 +67,11 @@ pub fn write_run(path: &Path, period_s: f64, samples: &[RunSample], parents: &[&
         controller: parents.first().map_or(Vec::new(), |path| std::fs::read(path).expect("a controller")),
     };
     let mut file = RunFile::create(path, Overwrite::SameKind, &header).expect("a free name");
-    let event = |tick: u64, kind: &str, text: &str| {
-        RunEvent { tick, time_s: header.time_s(tick), kind: kind.into(), text: text.into() }
+    let event = |tick: u64, kind: &str, text: &str| RunEvent {
+        tick,
+        time_s: header.time_s(tick),
+        kind: kind.into(),
+        text: text.into(),
     };
     file.event(&event(0, "started", "by the test")).expect("written");
     for sample in samples {
@@ -91,7 +94,6 @@ fn live(sample: &RunSample) -> LiveSettings {
         voltage_limit_v: Some(10.0 - f64::from(sample.settings)),
         ..Settings::default()
     };
-    let reference =
-        RunReference { shape: RunShape::Square, amplitude_rad: 1.0, period_s: 0.005, offset_rad: 0.0 };
+    let reference = RunReference { shape: RunShape::Square, amplitude_rad: 1.0, period_s: 0.005, offset_rad: 0.0 };
     LiveSettings { revision: sample.settings, tick: sample.tick, settings, reference }
 }
