@@ -175,6 +175,12 @@ fn a_last_chunk_that_fails_its_check_sum_is_a_cut() {
     let read = parse(&torn).unwrap();
     assert_eq!(read.samples.samples(), 200);
     assert_eq!(read.cut_off, Some(CutOff { whole: start, unused: end - start }));
+    for k in (start + 100..end).step_by(97) {
+        let mut flipped = bytes[..end].to_vec();
+        flipped[k] ^= 0x10;
+        let read = parse(&flipped).unwrap();
+        assert_eq!((read.samples.samples(), read.cut_off.map(|cut| cut.whole)), (200, Some(start)), "byte {k}");
+    }
     let zeros = [&bytes[..end], &[0; 4096]].concat();
     let read = parse(&zeros).unwrap();
     assert_eq!((read.samples.samples(), read.cut_off), (300, Some(CutOff { whole: end, unused: 4096 })));
