@@ -4,6 +4,7 @@ mod bench;
 mod book;
 mod metadata;
 mod needs;
+mod python;
 mod step;
 mod test;
 mod tidy;

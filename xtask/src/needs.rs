@@ -15,11 +15,18 @@ struct Need {
     why: &'static str,
 }
 
-const NEEDS: [Need; 1] = [Need {
-    package: "gcc",
-    proof: &["cc", "--version"],
-    why: "links every program and the kernel's library that proves it cannot panic, compiles the boards' stand-ins",
-}];
+const NEEDS: [Need; 2] = [
+    Need {
+        package: "gcc",
+        proof: &["cc", "--version"],
+        why: "links every program and the kernel's library that proves it cannot panic, compiles the boards' stand-ins",
+    },
+    Need {
+        package: "python3-venv",
+        proof: &["python3", "-c", "import ensurepip, venv"],
+        why: "makes the environment of the public packages that read our files",
+    },
+];
 
 /// How packages may be installed here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! `cargo xtask test`: everything that must hold before a change goes in.
 
 use crate::metadata::Workspace;
+use crate::python::{self, PYTHON};
 use crate::step::{Step, Stop};
 use crate::{needs, tidy};
 use std::ffi::OsStr;
@@ -15,10 +16,11 @@ pub fn run(workspace: &Workspace) -> Result<(), Stop> {
     let start = Instant::now();
     let root = &workspace.root;
     needs::ensure(root)?;
+    let python = python::ensure(root)?;
     let data = recordings(std::env::var_os(DATA).as_deref(), root);
     before_tests().iter().try_for_each(|step| step.run(root))?;
     tidy::run(workspace)?;
-    tests(data.as_deref()).iter().try_for_each(|step| step.run(root))?;
+    tests(data.as_deref(), &python).iter().try_for_each(|step| step.run(root))?;
     eprintln!("\nxtask test: all holds, {:.0} s", start.elapsed().as_secs_f64());
     if data.is_none() {
         eprintln!("\n*** THE TESTS ON RECORDINGS WERE LEFT OUT: set {DATA} to the folder that holds robot_arm.dat ***");
@@ -35,12 +37,12 @@ fn before_tests() -> Vec<Step> {
 }
 
 /// The kernel and lti run once more in dev, for overflow checks; what calls unsafe code runs under a sanitizer, too.
-fn tests(data: Option<&Path>) -> Vec<Step> {
+fn tests(data: Option<&Path>, python: &Path) -> Vec<Step> {
     let dev = Step::cargo("tests with overflow checks", "test -p flexbeam-kernel -p flexbeam-lti");
     let sanitized = Step::cargo("unsafe code under the address sanitizer", SANITIZED)
         .env("RUSTC_BOOTSTRAP", "1")
         .env("RUSTFLAGS", "-Zsanitizer=address -Cunsafe-allow-abi-mismatch=sanitizer");
-    let release = Step::cargo("tests", "test --release --workspace");
+    let release = Step::cargo("tests", "test --release --workspace").env(PYTHON, python.to_string_lossy());
     let with_data = |step: Step| match data {
         Some(data) => step.env(DATA, data.to_string_lossy()),
         None => step,
@@ -85,10 +87,11 @@ mod tests {
     }
 
     #[test]
-    fn only_the_release_tests_get_the_recordings_and_they_come_last() {
-        let typed: Vec<String> = tests(Some(Path::new("/d"))).iter().map(Step::to_string).collect();
+    fn only_the_release_tests_get_python_and_the_recordings_and_they_come_last() {
+        let typed: Vec<String> = tests(Some(Path::new("/d")), Path::new("/p")).iter().map(Step::to_string).collect();
         let (last, before) = typed.split_last().unwrap();
-        assert_eq!(last, "CARGO_INCREMENTAL=0 FLEXBEAM_DATA=/d cargo test --release --workspace");
-        assert!(before.iter().all(|step| !step.contains(DATA)));
+        let environment = "FLEXBEAM_PYTHON=/p CARGO_INCREMENTAL=0 FLEXBEAM_DATA=/d";
+        assert_eq!(*last, format!("{environment} cargo test --release --workspace"));
+        assert!(before.iter().all(|step| !step.contains(DATA) && !step.contains(PYTHON)));
     }
 }

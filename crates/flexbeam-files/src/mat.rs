@@ -1,8 +1,9 @@
 //! MATLAB's binary files, level 5, as far as a recording needs them: columns of doubles, numbers and text, uncompressed.
 //!
-//! Enters: names and values. Leaves: the file's bytes, the same for the same values. Deliberately absent: reading; the date that
-//! MATLAB itself writes into the head.
+//! Enters: names and values. Leaves: the file's bytes, the same for the same values. Deliberately absent: reading; the date
+//! that MATLAB itself writes into the head.
 //!
+//! By hand, because the crate matrw 0.1 writes the date and keeps the errors of writing to itself.
 //! Source: MathWorks, MAT-File Format, "Level 5 MAT-files". Text goes as UTF-16, as MATLAB holds it.
 
 use crate::fault::Fault;

@@ -1,7 +1,7 @@
 //! Recordings: what was measured on a rig, sample by sample.
 //!
-//! Enters: text files of any of the kinds that `csv` reads, and recordings of runs. Leaves: [`Recording`], with its period established and
-//! its names taken apart. Deliberately absent: filtering, resampling, filling of gaps.
+//! Enters: text files of any of the kinds that `csv` reads, and recordings of runs. Leaves: [`Recording`], with its period
+//! established and its names taken apart. Deliberately absent: filtering, resampling, filling of gaps.
 
 use crate::columns::{ColumnName, nearest};
 use crate::csv;

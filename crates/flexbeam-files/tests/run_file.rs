@@ -43,11 +43,11 @@ fn sample(tick: u64) -> RunSample {
         tick,
         voltage_v: angle(),
         commanded_v: angle(),
-        u_v: if tick % 7 == 0 { f64::NAN } else { -0.0 },
+        u_v: if tick.is_multiple_of(7) { f64::NAN } else { -0.0 },
         reference_rad: angle(),
         smoothed_rad: angle(),
         theta_rad: angle(),
-        alpha_rad: if tick % 5 == 0 { f64::NEG_INFINITY } else { 5e-324 },
+        alpha_rad: if tick.is_multiple_of(5) { f64::NEG_INFINITY } else { 5e-324 },
         psi_rad: angle(),
         y_model_rad: angle(),
         error_rad: angle(),
@@ -175,6 +175,12 @@ fn a_last_chunk_that_fails_its_check_sum_is_a_cut() {
     let read = parse(&torn).unwrap();
     assert_eq!(read.samples.samples(), 200);
     assert_eq!(read.cut_off, Some(CutOff { whole: start, unused: end - start }));
+    for k in (start + 100..end).step_by(97) {
+        let mut flipped = bytes[..end].to_vec();
+        flipped[k] ^= 0x10;
+        let read = parse(&flipped).unwrap();
+        assert_eq!((read.samples.samples(), read.cut_off.map(|cut| cut.whole)), (200, Some(start)), "byte {k}");
+    }
     let zeros = [&bytes[..end], &[0; 4096]].concat();
     let read = parse(&zeros).unwrap();
     assert_eq!((read.samples.samples(), read.cut_off), (300, Some(CutOff { whole: end, unused: 4096 })));
@@ -285,7 +291,7 @@ fn the_longest_stretch_without_a_gap_is_the_recording() {
     assert_eq!(theta.data.iter().copied().collect::<Vec<_>>(), (61..90).map(f64::from).collect::<Vec<_>>());
     assert_eq!((theta.period_s, read.time_s.as_ref().map(|t| t[0])), (PERIOD_S, Some(0.061)));
     let notice = read.notice.expect("a notice");
-    for words in ["of 78 samples", "29 of them", "2 ticks are missing", "1 measurements are stale"] {
+    for words in ["of 78 samples", "29 of them", "ticks missing: 2", "stale measurements: 1"] {
         assert!(notice.contains(words), "{words}: {notice}");
     }
 }
@@ -339,6 +345,8 @@ fn a_run_has_its_name_when_it_is_complete() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let mut file = RunFile::create(&path, Overwrite::Refuse, &header()).unwrap();
+    let begun = RunRecording::read(&RunFile::part_path(&path)).unwrap();
+    assert_eq!((begun.header, begun.samples.samples()), (header(), 0));
     (0..50).for_each(|tick| file.sample(&sample(tick)).unwrap());
     file.flush().unwrap();
     assert_eq!(names(folder.path()), ["run.mcap.part".to_string()].into());

@@ -1,7 +1,7 @@
 //! `flexbeam export`: a file of ours in a form that other tools read.
 //!
-//! Enters: any file that can be exported, a form. Leaves: that form, and one answer. Deliberately absent: the forms themselves,
-//! which `flexbeam-files` owns.
+//! Enters: any file that can be exported, a form. Leaves: that form, and one answer. Deliberately absent: the forms
+//! themselves, which `flexbeam-files` owns.
 
 mod recording;
 

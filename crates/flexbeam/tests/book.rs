@@ -198,7 +198,8 @@ fn every_page_stands_in_the_summary() {
 }
 
 /// Commands that have a section of their own, as words.
-const COMMANDS: [&str; 8] = ["reproduce", "record", "identify", "design", "verify", "simulate", "rig test", "show"];
+const COMMANDS: [&str; 9] =
+    ["reproduce", "record", "identify", "design", "verify", "simulate", "rig test", "export", "show"];
 
 /// The part of the page under `## flexbeam COMMAND`.
 fn section(page: &Page, command: &str) -> String {
@@ -244,7 +245,7 @@ fn documented_keys(section: &str) -> BTreeSet<String> {
 }
 
 /// Command lines that together give every key of every answer.
-const ANSWERS: [(&str, &str); 9] = [
+const ANSWERS: [(&str, &str); 10] = [
     ("reproduce", "reproduce --out reproduce"),
     ("record", "record --linear --duration 2 --out recording.csv"),
     ("identify", "identify recording.csv --out model.toml"),
@@ -253,6 +254,7 @@ const ANSWERS: [(&str, &str); 9] = [
     ("rig test", "rig test"),
     ("simulate", "simulate controller.toml --duration 1"),
     ("verify", "verify controller.toml --runs 4"),
+    ("export", "export recording.csv --as mat --out recording.mat"),
     ("show", "show controller.toml"),
 ];
 

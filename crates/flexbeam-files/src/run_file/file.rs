@@ -47,11 +47,16 @@ impl RunFile {
             Error::new(Tried::Write, path, fault)
         };
         let file = File::create_new(&part).map_err(|error| refused(error.kind()))?;
-        let writer = RunWriter::new(Durable(BufWriter::new(file)), header).inspect_err(|_| {
+        let begun = RunWriter::new(Durable(BufWriter::new(file)), header).and_then(|mut writer| {
+            // A part says what it is from the beginning, and a full disk shows before the run.
+            writer.flush()?;
+            Ok(writer)
+        });
+        let begun = begun.inspect_err(|_| {
             // Nothing of the run is in it yet.
             let _ = fs::remove_file(&part);
         });
-        Ok(RunFile { writer: writer.map_err(refused)?, path: path.to_path_buf(), overwrite })
+        Ok(RunFile { writer: begun.map_err(refused)?, path: path.to_path_buf(), overwrite })
     }
 
     /// Appends a sample.

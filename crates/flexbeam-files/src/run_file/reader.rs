@@ -20,7 +20,8 @@ use std::path::{Path, PathBuf};
 /// Name of the attachment that is the controller file.
 pub(super) const CONTROLLER: &str = "controller.toml";
 
-/// Longest chunk that is taken for one [bytes]; a hundred times what the writer makes. A damaged length must not fill memory.
+/// Longest chunk that is taken for one [bytes]; a hundred times what the writer makes. A damaged length must not fill
+/// memory.
 const LONGEST_CHUNK: usize = 1 << 28;
 
 /// A recording of a run.
@@ -80,9 +81,7 @@ impl RunRecording {
             sha256: sha256_hex(bytes),
         })
     }
-}
 
-impl RunRecording {
     /// The same, where what the user says of it can be.
     ///
     /// Errors: [`Fault::Run`] with [`RunFault::Named`] for names of columns; [`Fault::Period`], [`Fault::PeriodsDiffer`] for a

@@ -52,8 +52,8 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// The next record's kind and body, and what follows it; nothing where it is incomplete or, as a disk's untouched blocks are,
-/// all zero.
+/// The next record's kind and body, and what follows it; nothing where it is incomplete or, as a disk's untouched blocks
+/// are, all zero.
 fn record(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
     let (&opcode, rest) = bytes.split_first()?;
     let (length, rest) = rest.split_first_chunk()?;

@@ -49,6 +49,8 @@ impl RunRecording {
     }
 
     /// These samples as signals: every field but the tick.
+    ///
+    /// Assumes: the range lies within the samples; likewise below.
     pub fn signals(&self, samples: Range<usize>) -> Signals {
         let names = RunSample::NAMES[1..].iter().map(|name| name.to_string()).collect::<Vec<_>>();
         let units = RunSample::UNITS[1..].iter().map(|unit| unit.to_string()).collect();
@@ -86,7 +88,7 @@ impl Stretch {
         (self.samples.len() < self.running).then(|| {
             format!(
                 "of {} samples while the controller ran, the longest stretch without a gap is taken: {} of them, \
-                 {} s, from sample {start} to {}; {} ticks are missing, {} measurements are stale",
+                 {} s, from sample {start} to {}; ticks missing: {}, stale measurements: {}",
                 self.running,
                 self.samples.len(),
                 self.samples.len() as f64 * period_s,

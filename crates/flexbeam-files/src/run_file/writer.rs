@@ -137,7 +137,8 @@ impl Failed {
     }
 }
 
-/// A stream that takes nothing more after its first error: what the writer does when it is dropped must not mend half a record.
+/// A stream that takes nothing more after its first error: what the writer does when it is dropped must not mend half a
+/// record.
 struct Guard<W> {
     inner: W,
     failed: Failed,
@@ -268,6 +269,14 @@ mod tests {
         assert_eq!(writer.finish(&()).err(), Some(ErrorKind::StorageFull));
         disk.room = usize::MAX;
         assert_eq!(disk.full, 1);
+    }
+
+    /// The thread that records is not the one that opens the file.
+    #[test]
+    fn a_writer_can_be_handed_to_a_thread() {
+        fn handed<T: Send>() {}
+        handed::<RunWriter<Cursor<Vec<u8>>>>();
+        handed::<crate::RunFile>();
     }
 
     #[test]

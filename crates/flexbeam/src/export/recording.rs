@@ -91,10 +91,10 @@ impl Content {
             ("run_command", header.provenance.command.clone().unwrap_or_default()),
             ("port", header.port.clone()),
             ("start_unix_ns", header.start_unix_ns.to_string()),
-            ("controller_sha256", sha256_hex(&header.controller)),
             ("settings_json", json_text(&run.settings)),
             ("events_json", json_text(&run.events)),
         ];
+        texts.extend(header.controller.as_ref().map(|bytes| ("controller_sha256", sha256_hex(bytes))));
         texts.extend(run.report.as_ref().map(|report| ("report_json", json_text(report))));
         Ok(Content { signals: run.signals(all.clone()), time_s: run.time_s(all), texts, notice: run.cut_off_notice() })
     }

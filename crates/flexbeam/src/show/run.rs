@@ -9,7 +9,7 @@ use super::holds::{DIGITS, columns, length};
 pub(super) fn run(run: &RunSummary<'_>) -> String {
     let mut text = format!("{}, on {}\n", length(run.samples, run.period_s), run.port);
     text += &format!(
-        "while the controller ran: {} samples, {} ticks missed, {} measurements stale\n",
+        "while the controller ran: {} samples; ticks missed: {}; stale measurements: {}\n",
         run.running, run.missed, run.stale
     );
     if let Some(cut) = run.cut_off {

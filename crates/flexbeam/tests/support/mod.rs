@@ -3,6 +3,8 @@
 // Each test file takes what it needs from here.
 #![allow(dead_code)]
 
+pub mod recorded_run;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -107,6 +109,15 @@ pub fn data() -> Option<PathBuf> {
     }
     eprintln!("\n!!! LEFT OUT: no recordings in {}; set FLEXBEAM_DATA to their folder !!!\n", folder.display());
     None
+}
+
+/// A Python with the packages of `xtask/src/python.rs`; nothing, and loudly so, where there is none.
+pub fn python() -> Option<PathBuf> {
+    let named = std::env::var_os("FLEXBEAM_PYTHON").filter(|path| !path.is_empty()).map(PathBuf::from);
+    if named.is_none() {
+        eprintln!("\n!!! LEFT OUT: no other reader; FLEXBEAM_PYTHON names none, cargo xtask test makes one !!!\n");
+    }
+    named
 }
 
 /// A sequence without pattern, between -1 and 1: the top bits of a congruential generator.
