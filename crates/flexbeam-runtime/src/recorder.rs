@@ -41,7 +41,7 @@ pub(crate) struct Recorder {
 pub struct Recorded {
     /// Sinks that failed on the way.
     pub failures: Vec<SinkError>,
-    /// Samples that a failed sink did not get.
+    /// Samples that a failed sink did not get, or could not keep.
     pub refused: u64,
 }
 
@@ -131,6 +131,7 @@ impl Recorder {
         let mut failed = Vec::new();
         self.sinks.retain_mut(|sink| what(sink.as_mut()).map_err(|error| failed.push(error)).is_ok());
         for error in failed {
+            self.refused += error.lost;
             self.failures.push(error.clone());
             self.event(EventKind::Warning, error.to_string());
         }

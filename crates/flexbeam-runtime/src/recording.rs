@@ -31,12 +31,14 @@ pub struct RunSink {
     file: Option<RunFile>,
     path: PathBuf,
     context: RunContext,
+    /// Samples that a power loss would take.
+    at_risk: u64,
 }
 
 impl RunSink {
     /// Real-time: no. Over a file that has just been begun; `path` is for messages.
     pub fn new(file: RunFile, path: &Path, context: RunContext) -> RunSink {
-        RunSink { file: Some(file), path: path.to_path_buf(), context }
+        RunSink { file: Some(file), path: path.to_path_buf(), context, at_risk: 0 }
     }
 
     fn write(&mut self, what: impl FnOnce(&mut RunFile) -> Result<(), files::Error>) -> Result<(), SinkError> {
@@ -45,12 +47,13 @@ impl RunSink {
     }
 
     fn failed(&self, error: &files::Error) -> SinkError {
-        SinkError { sink: self.path.display().to_string(), reason: error.to_string() }
+        SinkError { sink: self.path.display().to_string(), reason: error.to_string(), lost: self.at_risk }
     }
 }
 
 impl Sink for RunSink {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.at_risk += 1;
         self.write(|file| file.sample(&run_sample(sample)))
     }
 
@@ -68,7 +71,9 @@ impl Sink for RunSink {
     }
 
     fn flush(&mut self) -> Result<(), SinkError> {
-        self.write(RunFile::flush)
+        self.write(RunFile::flush)?;
+        self.at_risk = 0;
+        Ok(())
     }
 
     fn finish(&mut self, report: &RunReport) -> Result<(), SinkError> {

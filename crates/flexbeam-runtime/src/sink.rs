@@ -74,6 +74,8 @@ pub struct SinkError {
     pub sink: String,
     /// What the system said.
     pub reason: String,
+    /// Samples that it had taken and could not keep.
+    pub lost: u64,
 }
 
 /// Takes what the recorder's thread brings. Real-time: no; it may block, the loop does not wait for it.

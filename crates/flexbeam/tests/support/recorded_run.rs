@@ -64,7 +64,7 @@ pub fn write_run(path: &Path, period_s: f64, samples: &[RunSample], parents: &[&
             time: None,
             parents: parents.iter().map(|parent| Parent::of(parent, path).expect("a parent")).collect(),
         },
-        controller: parents.first().map_or(Vec::new(), |path| std::fs::read(path).expect("a controller")),
+        controller: parents.first().map(|path| std::fs::read(path).expect("a controller")),
     };
     let mut file = RunFile::create(path, Overwrite::SameKind, &header).expect("a free name");
     let event = |tick: u64, kind: &str, text: &str| RunEvent {
