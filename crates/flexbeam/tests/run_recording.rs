@@ -133,6 +133,20 @@ fn a_run_becomes_a_table() {
     assert!(gap.status == 2 && gap.err.contains("unequal sample periods"), "{}", gap.err);
 }
 
+/// A run that was stopped before its first tick.
+#[test]
+fn a_run_without_samples_is_shown_and_exported_but_not_identified() {
+    let bench = recorded(1, |samples| samples.clear());
+    let content = bench.json("show run.mcap")["content"].clone();
+    assert_eq!((number(&content, "samples"), content["events"].as_array().unwrap().len()), (0.0, 2));
+    bench.done("show run.mcap");
+    assert_eq!(number(&bench.json("export run.mcap --as csv -o run.csv"), "samples"), 0.0);
+    assert_eq!(bench.read("run.csv").lines().count(), 1);
+    bench.done("export run.mcap --as mat -o run.mat");
+    let answer = bench.run("identify run.mcap");
+    assert!(answer.status == 2 && answer.err.contains("at most 0 samples in a row"), "{}", answer.err);
+}
+
 #[test]
 fn an_export_takes_no_other_file_s_place() {
     let bench = recorded(50, |_| {});

@@ -83,7 +83,9 @@ impl RunRecording {
 
 impl Stretch {
     /// What a person should know, where not all of the running phase is in it.
-    pub fn notice(&self, period_s: f64) -> Option<String> {
+    ///
+    /// Assumes: it holds a sample.
+    pub(crate) fn notice(&self, period_s: f64) -> Option<String> {
         let Range { start, end } = self.samples;
         (self.samples.len() < self.running).then(|| {
             format!(
