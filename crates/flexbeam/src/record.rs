@@ -35,8 +35,6 @@ struct NoExperiment {
 pub fn run(arguments: &cli::Record) -> Result<(), Failure> {
     let (csv, note) = (&arguments.out, Note::path_for(&arguments.out));
     let replace = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
-    check_free(csv, replace)?;
-    let replace_note = overwrite::<Note>(&note, arguments.force)?;
 
     let mut parameters = rig_parameters(arguments.rig.as_deref())?;
     parameters.period_s = arguments.period.unwrap_or(parameters.period_s);
@@ -49,6 +47,8 @@ pub fn run(arguments: &cli::Record) -> Result<(), Failure> {
     if csv.extension().is_some_and(|extension| extension == "mcap") {
         return on_clock.as_run();
     }
+    check_free(csv, replace)?;
+    let replace_note = overwrite::<Note>(&note, arguments.force)?;
     let signals = if port == Port::Simulated {
         let _sign = waiting("recording");
         excited(&parameters, arguments.duration, arguments.rms, arguments.seed)

@@ -54,7 +54,7 @@ pub fn run(arguments: &cli::Run) -> Result<(), Failure> {
     let plan = Plan::of(arguments)?;
     let overwrite = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
     let header = plan.header(arguments)?;
-    flexbeam_files::check_free(&arguments.out, overwrite)?;
+    RunFile::check_free(&arguments.out, overwrite)?;
 
     let back_end = port::open(&plan.port, &plan.rig, arguments.seed)?;
     let mut setup = plan.setup.clone();

@@ -31,6 +31,18 @@ impl RunFile {
         part.into()
     }
 
+    /// Whether a run could be recorded at `path`: ask before a rig moves.
+    ///
+    /// Errors: those of [`RunFile::create`] that can be known before.
+    pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), Error> {
+        check_free_for_run(path, overwrite)?;
+        let part = RunFile::part_path(path);
+        match part.exists() {
+            true => Err(Error::new(Tried::Write, path, RunFault::Unfinished { part }.into())),
+            false => Ok(()),
+        }
+    }
+
     /// Begins the file.
     ///
     /// Errors: [`Fault::Exists`] when `overwrite` refuses what stands at `path`; [`Fault::Run`] with [`RunFault::Unfinished`]

@@ -54,9 +54,10 @@ impl Recording<'_> {
     /// Errors: a rig that faulted, a file that cannot be written.
     pub fn as_run(&self) -> Result<(), Failure> {
         let out = &self.arguments.out;
+        let overwrite = if self.arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
+        RunFile::check_free(out, overwrite)?;
         let context = RunContext { port: self.port.to_string(), period_s: self.parameters.period_s };
         let sink = || -> Result<Vec<Box<dyn Sink>>, Failure> {
-            let overwrite = if self.arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
             let file = RunFile::create(out, overwrite, &self.header()?)?;
             Ok(vec![Box::new(RunSink::new(file, out, context.clone()))])
         };

@@ -104,6 +104,9 @@ impl Answering {
                 let (session, sequence) = (command.session, command.sequence);
                 let mut frame = Measured { session, sequence, status: 0, theta_rad, alpha_rad, boots: 1 }.encode();
                 frame[2] = version;
+                let body = frame.len() - 4;
+                let sealed = crc32fast::hash(&frame[..body]).to_le_bytes();
+                frame[body..].copy_from_slice(&sealed);
                 let _ = socket.send_to(&frame, host);
             }
         });
