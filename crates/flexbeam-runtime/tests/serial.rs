@@ -133,10 +133,10 @@ fn a_second_sender_closes_what_the_first_had_begun() {
 fn a_frame_that_went_out_by_half_costs_only_itself() {
     let (mut rig, device) = SerialWire::pseudo_terminal().unwrap();
     let host = SerialWire::open(&device, DEFAULT_BAUD).unwrap();
-    // Nobody reads: the line fills up, and one of them does not fit.
+    // Nobody reads: the line fills up, and what does not fit whole is closed by the next, or left at the end.
     (0..20_000).for_each(|_| host.send(&[7; 32]).unwrap());
     let first = read_all(&mut rig);
-    assert!(first.len() < 20_000 && first.iter().all(|frame| *frame == [7; 32]));
+    assert!(first.len() < 20_000 && first.iter().all(|frame| frame.is_empty() || *frame == [7; 32]), "{first:?}");
     host.send(&[8; 32]).unwrap();
     let rest = read_all(&mut rig);
     assert_eq!(rest.last(), Some(&vec![8; 32]), "{rest:?}");
