@@ -5,7 +5,10 @@ mod support;
 use flexbeam_runtime::back_end::{Answer, BackEnd, Counters, LinkFault, Timing};
 use flexbeam_runtime::serial::{DEFAULT_BAUD, SerialRig, SerialWire};
 use flexbeam_runtime::served_rig::ServeOptions;
+use flexbeam_runtime::wire::{HostWire, LONGEST_FRAME, Received, Wire};
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 use support::relay::{Mischief, Relay, replayed};
 use support::{PATIENT, Serving, bits, exchanges, in_process};
 
@@ -97,6 +100,46 @@ fn the_watchdog_s_cut_reaches_the_rig() {
     assert!(matches!(host.exchange(0, 5.0), Ok(Answer::Fresh(_))));
     let counts = serving.end().counts;
     assert_eq!((counts.runs, counts.malformed), (2, 0));
+}
+
+/// Everything that lies on the line, broken frames as empty ones.
+fn read_all(wire: &mut SerialWire) -> Vec<Vec<u8>> {
+    let mut buffer = [0; LONGEST_FRAME];
+    let mut frames = Vec::new();
+    let mut last = Instant::now();
+    loop {
+        match wire.receive(&mut buffer).unwrap() {
+            Received::Frame(length) => {
+                frames.push(buffer[..length].to_vec());
+                last = Instant::now();
+            }
+            Received::Nothing if last.elapsed() > Duration::from_millis(300) => break,
+            Received::Nothing => {}
+        }
+    }
+    frames
+}
+
+#[test]
+fn a_second_sender_closes_what_the_first_had_begun() {
+    let (mut rig, device) = SerialWire::pseudo_terminal().unwrap();
+    let host = SerialWire::open(&device, DEFAULT_BAUD).unwrap();
+    std::fs::File::options().write(true).open(&device).unwrap().write_all(&[9, 1, 2]).unwrap();
+    host.second().send(&[7; 32]).unwrap();
+    assert_eq!(read_all(&mut rig), [vec![], vec![7; 32]]);
+}
+
+#[test]
+fn a_frame_that_went_out_by_half_costs_only_itself() {
+    let (mut rig, device) = SerialWire::pseudo_terminal().unwrap();
+    let host = SerialWire::open(&device, DEFAULT_BAUD).unwrap();
+    // Nobody reads: the line fills up, and what does not fit whole is closed by the next, or left at the end.
+    (0..20_000).for_each(|_| host.send(&[7; 32]).unwrap());
+    let first = read_all(&mut rig);
+    assert!(first.len() < 20_000 && first.iter().all(|frame| frame.is_empty() || *frame == [7; 32]), "{first:?}");
+    host.send(&[8; 32]).unwrap();
+    let rest = read_all(&mut rig);
+    assert_eq!(rest.last(), Some(&vec![8; 32]), "{rest:?}");
 }
 
 #[test]

@@ -232,9 +232,18 @@ fn impostor(mut speaks: impl FnMut(Command) -> Vec<u8> + Send, test: impl FnOnce
                 let _ = socket.send_to(&answer, host);
             }
         });
+        let _ended = Raised(&over);
         test(&address);
-        over.store(true, Ordering::Release);
     });
+}
+
+/// Raises its flag at the end of its scope, a failed assertion's too.
+struct Raised<'a>(&'a AtomicBool);
+
+impl Drop for Raised<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
 }
 
 fn frame_of_version(version: u8) -> Vec<u8> {
