@@ -37,6 +37,13 @@ pub struct RunResult {
     pub recording: Option<String>,
 }
 
+impl RunResult {
+    /// The report of a recording; nothing where another program wrote another one.
+    pub fn of_report(report: &serde_json::Value) -> Option<RunResult> {
+        RunResult::deserialize(report).ok()
+    }
+}
+
 /// `flexbeam rig`, at its end.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ServeResult {

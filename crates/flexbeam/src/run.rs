@@ -151,7 +151,7 @@ fn answer(arguments: &cli::Run, outcome: Outcome, context: &RunContext) -> Resul
     if arguments.json {
         println!("{}", json_text(&result));
     } else {
-        print!("{}", table(&result).text());
+        print!("{}", run_table(&result).text());
         eprintln!("wrote {}", kept.display());
     }
     if let Cause::Fault(_) = outcome.report.cause {
@@ -168,7 +168,7 @@ fn answer(arguments: &cli::Run, outcome: Outcome, context: &RunContext) -> Resul
 }
 
 /// How the run went, for a person.
-fn table(result: &RunResult) -> Table {
+pub fn run_table(result: &RunResult) -> Table {
     let times = |t: &flexbeam_files::TimeQuantiles| {
         [t.median_s, t.p99_s, t.p999_s, t.max_s].map(|s| Cell::from(engineering(s, 3, "s")))
     };

@@ -1,9 +1,10 @@
 //! What a recording of a run holds, for a person.
 
-use flexbeam_files::{RunEvent, RunReference, RunShape, RunSummary, json_text};
+use flexbeam_files::{RunEvent, RunReference, RunResult, RunShape, RunSummary, json_text};
 use flexbeam_report::{Cell, Table, significant};
 
 use super::holds::{DIGITS, columns, length};
+use crate::run::run_table;
 
 /// Length, columns, settings, events and report.
 pub(super) fn run(run: &RunSummary<'_>) -> String {
@@ -16,32 +17,57 @@ pub(super) fn run(run: &RunSummary<'_>) -> String {
         text += &format!("ENDS TOO EARLY: {} bytes are whole, {} after them are not used\n", cut.whole, cut.unused);
     }
     text += &format!("\n{}", columns(&run.columns));
-    if !run.settings.is_empty() {
-        text += &format!("\n{}", settings(run).text());
-    }
+    text += &settings(run);
     if !run.events.is_empty() {
         text += &format!("\n{}", events(run.events).text());
     }
-    if let Some(report) = run.report {
-        text += &format!("\nreport: {}\n", json_text(report));
+    match run.report.map(|report| (report, RunResult::of_report(report))) {
+        Some((_, Some(result))) => text += &format!("\n{}", run_table(&result).text()),
+        Some((report, None)) => text += &format!("\nreport: {}\n", json_text(report)),
+        None => {}
     }
     text
 }
 
 /// The settings at the start, then what each revision changed.
-fn settings(run: &RunSummary<'_>) -> Table {
-    let heads = [("revision", ""), ("from", "s"), ("reference", ""), ("settings", "")];
+fn settings(run: &RunSummary<'_>) -> String {
     let mut before: Vec<(String, String)> = Vec::new();
-    run.settings.iter().fold(Table::new(&heads), |table, live| {
+    let mut text = String::new();
+    for live in run.settings {
         let now = live.texts();
-        let changed = now.iter().filter(|text| !before.contains(text)).map(|(name, value)| format!("{name} = {value}"));
+        let changed =
+            now.iter().filter(|text| !before.contains(text)).map(|(name, value)| format!("{name} = {}", short(value)));
         let unset = before.iter().filter(|(name, _)| !now.iter().any(|(other, _)| other == name));
-        let unset = unset.map(|(name, _)| format!("{name} = default"));
-        let changed = changed.chain(unset).collect::<Vec<_>>().join(", ");
+        let words: Vec<String> = changed.chain(unset.map(|(name, _)| format!("{name} = default"))).collect();
+        let from_s = significant(live.tick as f64 * run.period_s, DIGITS);
+        text += &format!("\nsettings {} from {from_s} s: {}\n", live.revision, reference(&live.reference));
+        text += &wrapped(&words);
         before = now;
-        let from_s = Cell::number(live.tick as f64 * run.period_s, DIGITS);
-        table.row([Cell::count(live.revision as usize), from_s, reference(&live.reference).into(), changed.into()])
-    })
+    }
+    text
+}
+
+/// A number with the digits that a person compares; a word as it is.
+fn short(value: &str) -> String {
+    value.parse().map_or_else(|_| value.to_string(), |x: f64| significant(x, DIGITS))
+}
+
+/// Words with commas between them, in indented lines of the terminal's usual width.
+fn wrapped(words: &[String]) -> String {
+    const WIDTH: usize = 100;
+    let mut lines = vec![String::new()];
+    for word in words {
+        let line = lines.last_mut().expect("there is always a line");
+        if line.is_empty() {
+            *line = format!("  {word}");
+        } else if line.len() + word.len() + 2 > WIDTH {
+            line.push(',');
+            lines.push(format!("  {word}"));
+        } else {
+            *line += &format!(", {word}");
+        }
+    }
+    lines.iter().filter(|line| !line.is_empty()).map(|line| format!("{line}\n")).collect()
 }
 
 fn reference(reference: &RunReference) -> String {
