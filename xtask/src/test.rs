@@ -39,9 +39,11 @@ fn before_tests() -> Vec<Step> {
 /// The kernel and lti run once more in dev, for overflow checks; what calls unsafe code runs under a sanitizer, too.
 fn tests(data: Option<&Path>, python: &Path) -> Vec<Step> {
     let dev = Step::cargo("tests with overflow checks", "test -p flexbeam-kernel -p flexbeam-lti");
-    let sanitized = Step::cargo("unsafe code under the address sanitizer", SANITIZED)
-        .env("RUSTC_BOOTSTRAP", "1")
-        .env("RUSTFLAGS", "-Zsanitizer=address -Cunsafe-allow-abi-mismatch=sanitizer");
+    let sanitized = SANITIZED.map(|(what, arguments)| {
+        Step::cargo(&format!("{what} under the address sanitizer"), &format!("{arguments} {APART}"))
+            .env("RUSTC_BOOTSTRAP", "1")
+            .env("RUSTFLAGS", "-Zsanitizer=address -Cunsafe-allow-abi-mismatch=sanitizer")
+    });
     let release = Step::cargo("tests", "test --release --workspace").env(PYTHON, python.to_string_lossy());
     let with_data = |step: Step| match data {
         Some(data) => step.env(DATA, data.to_string_lossy()),
@@ -50,15 +52,21 @@ fn tests(data: Option<&Path>, python: &Path) -> Vec<Step> {
     let dev = dev.env("CARGO_INCREMENTAL", "0");
     let release = with_data(release.env("CARGO_INCREMENTAL", "0"));
     if cfg!(all(target_arch = "x86_64", target_os = "linux")) {
-        vec![dev, sanitized, release]
+        [dev].into_iter().chain(sanitized).chain([release]).collect()
     } else {
         vec![dev, release]
     }
 }
 
-/// The triangular factor's vector code is the workspace's only unsafe call; a target of its own keeps build scripts plain.
-const SANITIZED: &str =
-    "test -p flexbeam-ident --lib --target x86_64-unknown-linux-gnu --target-dir target/sanitized triangle";
+/// All of the workspace's unsafe calls: the triangular factor's vector code, and what the runtime asks of the system and of the
+/// boards' libraries.
+const SANITIZED: [(&str, &str); 2] = [
+    ("vector code", "test -p flexbeam-ident --lib triangle"),
+    ("system calls and boards", "test -p flexbeam-runtime --lib --test boards --test serial"),
+];
+
+/// A target of its own keeps build scripts plain.
+const APART: &str = "--target x86_64-unknown-linux-gnu --target-dir target/sanitized";
 
 /// The folder that the variable names, or `../shared/data` beside the repository if there is one.
 fn recordings(variable: Option<&OsStr>, root: &Path) -> Option<PathBuf> {

@@ -27,7 +27,7 @@ pub enum Request {
     Set {
         /// The kernel's settings, by the names of a controller file.
         #[serde(default)]
-        settings: Settings,
+        settings: Box<Settings>,
         /// The reference.
         #[serde(default)]
         reference: ReferenceChange,
@@ -135,6 +135,7 @@ mod tests {
     fn changes_are_keys_with_values() {
         let reference = ReferenceChange { shape: Some(RunShape::Sine), ..ReferenceChange::default() };
         let settings = Settings { law: Some(crate::Law::Switched), eps_u_v: Some(0.1), ..Settings::default() };
+        let settings = Box::new(settings);
         let found = request_of_changes(&["law=switched", "reference.shape=sine", " eps_u_v = 0.1 "]);
         assert_eq!(found, Ok(Request::Set { settings, reference }));
         for (change, named) in
@@ -148,6 +149,7 @@ mod tests {
     #[test]
     fn requests_and_replies_come_back() {
         let settings = Settings { eps_u_v: Some(0.02), ..Settings::default() };
+        let settings = Box::new(settings);
         let reference = ReferenceChange { amplitude_rad: Some(0.5), ..ReferenceChange::default() };
         for request in
             [Request::Status, Request::Start, Request::Stop, Request::Emergency, Request::Set { settings, reference }]

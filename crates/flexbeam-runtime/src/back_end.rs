@@ -37,6 +37,11 @@ pub trait BackEnd: Send {
     /// Real-time: yes. What was counted since [`BackEnd::prepare`].
     fn counters(&self) -> Counters;
 
+    /// Real-time: no. The largest motor voltage that it can send, either way [V].
+    fn reach_v(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// Real-time: no. For messages and recordings: `udp:192.168.1.7:4810`.
     fn name(&self) -> String;
 

@@ -170,12 +170,6 @@ impl ComediRig {
         })
     }
 
-    /// Real-time: no. Largest voltage at the motor's terminals that the board can give in both directions [V]. A loop whose
-    /// voltage limit is larger would believe in volts that do not come.
-    pub fn reach_v(&self) -> f64 {
-        self.output.scale.reach_v() * self.map.amplifier_gain
-    }
-
     /// Real-time: yes, as far as the driver is.
     fn sensors(&mut self) -> Result<flexbeam_rig::Measurement, Errno> {
         let reading = self.device.read(&self.encoder)?;
@@ -230,6 +224,11 @@ fn refused(device: &Device, asked: &str, errno: Errno) -> OpenError {
 }
 
 impl BackEnd for ComediRig {
+    /// Real-time: no. What the board's range gives at the motor's terminals in both directions.
+    fn reach_v(&self) -> f64 {
+        self.output.scale.reach_v() * self.map.amplifier_gain
+    }
+
     /// Real-time: yes, as far as the driver is. Writes the output, then reads counter and gauge.
     fn exchange(&mut self, _instant: u64, voltage_v: f64) -> Result<Answer, LinkFault> {
         self.send(self.map.board_v(voltage_v))?;

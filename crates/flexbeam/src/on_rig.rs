@@ -102,6 +102,7 @@ pub fn drive_rig(
     let live = Live { revision: 0, settings: kernel::Settings::default(), reference: Reference::default() };
     let mut setup = setup_on(rig.link, Setup::new(ControllerData::pass_through(), live, period_s))?;
     let mut back_end = port::open(rig.port, rig.simulated, rig.seed)?;
+    within_reach(back_end.as_ref(), &mut setup);
     if *rig.port != Port::Simulated {
         back_end = home(back_end, &mut setup, rig.link.sign_check)?;
     }
@@ -133,6 +134,18 @@ pub fn signals_of(samples: &[Sample], period_s: f64) -> Result<Signals, Failure>
     let names = ["voltage_v", "theta_rad", "alpha_rad"].map(String::from).to_vec();
     let units = ["v", "rad", "rad"].map(String::from).to_vec();
     Signals::new(names, units, period_s, data).map_err(Failure::while_trying("make a recording"))
+}
+
+/// The voltage limit goes down to what the rig's output can give: the controller must not believe in volts that do not come.
+pub fn within_reach(back_end: &dyn BackEnd, setup: &mut Setup) {
+    let (limit_v, reach_v) = (&mut setup.live.settings.voltage_limit_v, back_end.reach_v());
+    if reach_v < *limit_v {
+        eprintln!(
+            "warning: {} reaches {reach_v} V either way, so the voltage limit is that and not {limit_v} V",
+            back_end.name()
+        );
+        *limit_v = reach_v;
+    }
 }
 
 /// Finds the zeroes and checks the signs; the zeroes go into the settings.

@@ -16,7 +16,7 @@ use flexbeam_runtime::{
 };
 
 use crate::controller_file::kernel_settings;
-use crate::on_rig::{home, setup_on};
+use crate::on_rig::{home, setup_on, within_reach};
 use crate::output::provenance;
 use crate::port::{self, now_unix_ns};
 use crate::response::rig_at;
@@ -58,6 +58,7 @@ pub fn run(arguments: &cli::Run) -> Result<(), Failure> {
 
     let back_end = port::open(&plan.port, &plan.rig, arguments.seed)?;
     let mut setup = plan.setup.clone();
+    within_reach(back_end.as_ref(), &mut setup);
     let homed = plan.port != Port::Simulated || arguments.home;
     let back_end = if homed { home(back_end, &mut setup, arguments.link.sign_check)? } else { back_end };
 

@@ -104,7 +104,8 @@ pub(super) const SETTINGS: JsonTopic = JsonTopic {
 "eps_u_v":{"type":"number"},"eps_e_rad":{"type":"number"},
 "hysteresis_u":{"type":"number"},"hysteresis_e":{"type":"number"},
 "breakaway_plus_v":{"type":"number"},"breakaway_minus_v":{"type":"number"},
-"voltage_limit_v":{"type":"number"},"deflection_limit_rad":{"type":"number"},"theta_step_limit_rad":{"type":"number"},
+"voltage_limit_v":{"type":"number"},"deflection_limit_rad":{"type":"number"},
+"theta_limit_rad":{"type":"number"},"theta_step_limit_rad":{"type":"number"},
 "smooth_ticks":{"type":"number"},"smooth_step_rad":{"type":"number"},
 "theta":{"type":"object","properties":{
 "scale":{"type":"number"},"offset_rad":{"type":"number"},"low_pass":{"type":"number"}}},
@@ -162,6 +163,7 @@ mod tests {
             breakaway_minus_v: Some(0.1),
             voltage_limit_v: Some(0.1),
             deflection_limit_rad: Some(0.1),
+            theta_limit_rad: Some(0.1),
             theta_step_limit_rad: Some(0.1),
             smooth_ticks: Some(0.1),
             smooth_step_rad: Some(0.1),
@@ -174,7 +176,7 @@ mod tests {
         assert_same_keys(&serde_json::to_value(&live).unwrap(), &serde_json::from_str(SETTINGS.schema).unwrap());
         assert_same_keys(&serde_json::to_value(&event).unwrap(), &serde_json::from_str(EVENTS.schema).unwrap());
         assert_same_keys(&Value::Object(Default::default()), &serde_json::from_str(REPORT.schema).unwrap());
-        assert_eq!(live.texts().len(), 15 - 1 + 6, "fifteen numbers and words less one, two channels of three");
+        assert_eq!(live.texts().len(), 15 + 2 * 3, "fifteen numbers and words, two channels of three");
         let back: LiveSettings = serde_json::from_slice(&json_bytes(&live).unwrap()).unwrap();
         assert_eq!(back, live);
     }
