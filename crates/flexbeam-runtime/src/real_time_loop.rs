@@ -13,7 +13,7 @@ use crate::live::LiveReader;
 use crate::meter::{Meter, PageFaults};
 use crate::reference::Generator;
 use crate::sample::Sample;
-use flexbeam_kernel::{Controller, Fault, Measured, State, tick};
+use flexbeam_kernel::{Controller, Fault, Measured, Settings, State, tick};
 use flexbeam_rig::Measurement;
 
 /// The clock and the patience of a run.
@@ -45,6 +45,8 @@ pub(crate) struct RealTimeLoop<'a, C: Clock> {
     /// What the next exchange sends [V].
     next_v: f64,
     last: Option<Measurement>,
+    /// Instant of the last fresh measurement that was ticked on.
+    fresh: Option<u64>,
     silent_ns: u64,
     /// Instant of the first running tick, and of the last one.
     started: Option<u64>,
@@ -81,6 +83,7 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
             phase: Phase::Armed,
             next_v: 0.0,
             last: None,
+            fresh: None,
             silent_ns: 0,
             started: None,
             ticked: None,
@@ -229,13 +232,24 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
         let Measurement { theta_rad, alpha_rad } = measured;
         let before_ns = self.clock.now_ns();
         let measured = Measured { reference_rad, theta_rad, alpha_rad };
-        let commanded = tick(&live.settings, &self.controller, &mut self.state, measured);
+        let settings = self.allowing_for_gaps(wake);
+        let commanded = tick(&settings, &self.controller, &mut self.state, measured);
         self.meter.tick.record(self.clock.now_ns().saturating_sub(before_ns));
         self.sample.reference_rad = reference_rad;
         self.sample.commanded = commanded;
         self.next_v = commanded.voltage_v;
         self.ticked = Some(wake.instant);
         if commanded.fault == Fault::None { Ok(()) } else { Err(RunFault::Kernel(commanded.fault)) }
+    }
+
+    /// The settings in force; where periods passed without a measurement, the hub had as many periods to turn in.
+    fn allowing_for_gaps(&mut self, wake: &Wake) -> Settings {
+        let settings = self.live.in_force().settings;
+        if self.sample.stale {
+            return settings;
+        }
+        let periods = self.fresh.replace(wake.instant).map_or(1, |before| wake.instant.saturating_sub(before));
+        Settings { theta_step_limit_rad: settings.theta_step_limit_rad * periods as f64, ..settings }
     }
 
     fn close(&mut self, wake: &Wake) {

@@ -147,6 +147,22 @@ fn the_kernel_s_limits_and_a_reading_that_is_no_number() {
     }
 }
 
+/// A hub at 10 rad/s turns 0.01 rad a period: within a limit of 0.02 whatever is missed, beyond one of 0.005 in any case.
+#[test]
+fn the_speed_limit_knows_of_missed_periods_and_lost_measurements() {
+    let run_with = |limit: f64| {
+        let rig = Scripted::new(|k| {
+            let turning = Measurement { theta_rad: 0.01 * k as f64, alpha_rad: 0.0 };
+            Ok(if (20..30).contains(&k) { Answer::Lost } else { Answer::Fresh(turning) })
+        });
+        let mut setup = Setup { duration_s: Some(0.1), ..open_loop(2.0) };
+        setup.live.settings.theta_step_limit_rad = limit;
+        run(rig, setup, vec![(DRY_SLEEPS + 6, 8_000_000)]).0
+    };
+    assert_eq!(run_with(0.02).report.cause, Cause::Over);
+    assert_eq!(fault_of(&run_with(0.005)), RunFault::Kernel(Fault::Speed));
+}
+
 #[test]
 fn a_lost_back_end() {
     for fault in [LinkFault::Gone { errno: 111 }, LinkFault::RigTimedOut, LinkFault::Version { found: 2, known: 1 }] {
