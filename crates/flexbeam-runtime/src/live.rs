@@ -6,6 +6,7 @@
 
 use crate::reference::{Reference, Shape};
 use flexbeam_kernel as kernel;
+use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use triple_buffer::{Input, Output, triple_buffer};
 
@@ -83,7 +84,8 @@ pub struct LiveControl(Arc<Mutex<Writer>>);
 struct Writer {
     input: Input<Live>,
     current: Live,
-    history: Vec<Live>,
+    /// Sets that the loop may still take into force, or has, and that nobody has asked for yet.
+    recent: VecDeque<Live>,
 }
 
 /// The reading side: the loop's.
@@ -95,7 +97,7 @@ pub struct LiveReader(Output<Live>);
 pub fn live(first: Live) -> Result<(LiveControl, LiveReader), Refused> {
     first.check()?;
     let (input, output) = triple_buffer(&first);
-    let writer = Writer { input, history: vec![first.clone()], current: first };
+    let writer = Writer { input, recent: [first.clone()].into(), current: first };
     Ok((LiveControl(Arc::new(Mutex::new(writer))), LiveReader(output)))
 }
 
@@ -105,9 +107,12 @@ impl LiveControl {
         self.lock().current.clone()
     }
 
-    /// Real-time: no. The set of this revision.
-    pub fn of_revision(&self, revision: u32) -> Option<Live> {
-        self.lock().history.get(revision as usize).cloned()
+    /// Real-time: no. The set of this revision, for the one who records it; older ones are forgotten, because the loop never goes
+    /// back to them.
+    pub(crate) fn recorded(&self, revision: u32) -> Option<Live> {
+        let mut writer = self.lock();
+        writer.recent.retain(|live| live.revision >= revision);
+        writer.recent.front().filter(|live| live.revision == revision).cloned()
     }
 
     /// Real-time: no. Changes the set; it takes effect at the next tick. Returns its revision, the old one when nothing changed.
@@ -124,7 +129,7 @@ impl LiveControl {
         next.check_fixed(&writer.current)?;
         next.revision = writer.current.revision + 1;
         writer.input.write(next.clone());
-        writer.history.push(next.clone());
+        writer.recent.push_back(next.clone());
         writer.current = next;
         Ok(writer.current.revision)
     }
@@ -166,7 +171,9 @@ mod tests {
         let found = reader.newest().clone();
         assert_eq!((found.revision, found.settings.u_p_plus_v, found.reference.amplitude_rad), (1, 0.2, 0.5));
         assert_eq!(control.change(change), Ok(1), "the same once more is no change");
-        assert_eq!(control.of_revision(0), Some(first()));
+        assert_eq!(control.recorded(0), Some(first()));
+        assert_eq!(control.recorded(1).map(|live| live.revision), Some(1));
+        assert_eq!(control.recorded(0), None, "forgotten");
     }
 
     #[test]

@@ -102,7 +102,7 @@ impl Recorder {
             return;
         }
         self.known = Some(sample.revision);
-        if let Some(live) = self.live.of_revision(sample.revision) {
+        if let Some(live) = self.live.recorded(sample.revision) {
             self.all(&mut |sink| sink.settings(sample.instant, &live));
         }
     }

@@ -6,7 +6,7 @@ mod reference;
 
 use std::path::Path;
 
-use flexbeam_files::{Controller, Document, Overwrite, RunFile, RunHeader, RunResult, json_text};
+use flexbeam_files::{Controller, Document, Overwrite, Project, RunFile, RunHeader, RunResult, json_text};
 use flexbeam_report::{Cell, Table, engineering};
 use flexbeam_rig::RigParameters;
 use flexbeam_runtime::port::Port;
@@ -112,11 +112,10 @@ impl Plan {
     }
 
     fn header(&self, arguments: &cli::Run) -> Result<RunHeader, Failure> {
-        let parents: Vec<&Path> = [Some(&arguments.controller), arguments.rig.as_ref()]
-            .into_iter()
-            .flatten()
-            .map(|path| path.as_path())
-            .collect();
+        let project = arguments.controller.with_file_name(Project::FILE);
+        let project = project.is_file().then_some(project);
+        let files = [Some(&arguments.controller), arguments.rig.as_ref(), project.as_ref()];
+        let parents: Vec<&Path> = files.into_iter().flatten().map(|path| path.as_path()).collect();
         Ok(RunHeader {
             period_s: self.setup.period_s,
             start_unix_ns: 0,

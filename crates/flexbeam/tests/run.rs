@@ -267,6 +267,24 @@ fn a_rig_that_is_not_there_is_said_before_anything_is_written() {
 }
 
 #[test]
+fn the_recording_knows_its_controller_and_its_project_by_their_hashes() {
+    let bench = bench();
+    bench.write(
+        "flexbeam.toml",
+        "schema = \"flexbeam.project/1\"\nname = \"the bench\"\ncontroller = \"controller.toml\"\n",
+    );
+    bench.done("run controller.toml --duration 0.2 --hold 60");
+    let run = run_of(&bench, "run.mcap");
+    let parents: Vec<&str> = run.header.provenance.parents.iter().map(|parent| parent.path.as_str()).collect();
+    assert_eq!(parents, ["controller.toml", "flexbeam.toml"]);
+    assert_eq!(run.header.controller.as_deref(), Some(controller().as_bytes()));
+    let history = bench.json("show run.mcap");
+    let states: Vec<&str> =
+        history["history"].as_array().unwrap().iter().map(|step| step["state"].as_str().unwrap()).collect();
+    assert!(states.iter().filter(|state| **state == "same").count() >= 2, "{states:?}");
+}
+
+#[test]
 fn a_certificate_that_does_not_match_is_refused_unless_a_reason_is_given() {
     let bench = bench();
     let a = controller().lines().position(|line| line.starts_with("A = [")).unwrap() + 1;
