@@ -151,7 +151,7 @@ fn answer(arguments: &cli::Run, outcome: Outcome, context: &RunContext) -> Resul
     if arguments.json {
         println!("{}", json_text(&result));
     } else {
-        print!("{}", run_table(&result).text());
+        print!("{}", run_text(&result));
         eprintln!("wrote {}", kept.display());
     }
     if let Cause::Fault(_) = outcome.report.cause {
@@ -168,27 +168,30 @@ fn answer(arguments: &cli::Run, outcome: Outcome, context: &RunContext) -> Resul
 }
 
 /// How the run went, for a person.
-pub fn run_table(result: &RunResult) -> Table {
-    let times = |t: &flexbeam_files::TimeQuantiles| {
-        [t.median_s, t.p99_s, t.p999_s, t.max_s].map(|s| Cell::from(engineering(s, 3, "s")))
-    };
-    let link = &result.link;
-    let count = |n: u64| Cell::count(n as usize);
-    let columns = [("", ""), ("median", ""), ("99 %", ""), ("99.9 %", ""), ("longest", "")];
-    let rows = [("lateness", &result.lateness), ("work in a period", &result.execution), ("tick alone", &result.tick)];
-    let table = rows.into_iter().fold(Table::new(&columns), |table, (name, t)| {
-        let [a, b, c, d] = times(t);
+pub fn run_text(result: &RunResult) -> String {
+    format!("{}\n{}", times(result).text(), counts(result).text())
+}
+
+fn times(result: &RunResult) -> Table {
+    let columns = [("time", ""), ("median", ""), ("99 %", ""), ("99.9 %", ""), ("longest", "")];
+    let rows = [("late by", &result.lateness), ("work in a period", &result.execution), ("tick alone", &result.tick)];
+    rows.into_iter().fold(Table::new(&columns), |table, (name, t)| {
+        let [a, b, c, d] = [t.median_s, t.p99_s, t.p999_s, t.max_s].map(|s| Cell::from(engineering(s, 3, "s")));
         table.row([name.into(), a, b, c, d])
-    });
-    let counts = [
+    })
+}
+
+fn counts(result: &RunResult) -> Table {
+    let link = &result.link;
+    let rows = [
         ("ticks", result.ticks),
         ("missed periods", result.missed),
-        ("ticks without measurement", result.stale),
-        ("late, twice, corrupt or foreign frames", link.late + link.duplicate + link.corrupt + link.foreign),
+        ("ticks without a measurement", result.stale),
+        ("frames late, twice, corrupt or foreign", link.late + link.duplicate + link.corrupt + link.foreign),
         ("samples not recorded", result.unrecorded),
         ("page faults", result.page_faults),
     ];
-    counts
-        .into_iter()
-        .fold(table, |table, (name, n)| table.row([name.into(), count(n), "".into(), "".into(), "".into()]))
+    rows.into_iter().fold(Table::new(&[("what", ""), ("count", "")]), |table, (name, n)| {
+        table.row([name.into(), Cell::count(n as usize)])
+    })
 }

@@ -4,7 +4,7 @@ use flexbeam_files::{RunEvent, RunReference, RunResult, RunShape, RunSummary, js
 use flexbeam_report::{Cell, Table, significant};
 
 use super::holds::{DIGITS, columns, length};
-use crate::run::run_table;
+use crate::run::run_text;
 
 /// Length, columns, settings, events and report.
 pub(super) fn run(run: &RunSummary<'_>) -> String {
@@ -22,7 +22,7 @@ pub(super) fn run(run: &RunSummary<'_>) -> String {
         text += &format!("\n{}", events(run.events).text());
     }
     match run.report.map(|report| (report, RunResult::of_report(report))) {
-        Some((_, Some(result))) => text += &format!("\n{}", run_table(&result).text()),
+        Some((_, Some(result))) => text += &format!("\n{}", run_text(&result)),
         Some((report, None)) => text += &format!("\nreport: {}\n", json_text(report)),
         None => {}
     }
