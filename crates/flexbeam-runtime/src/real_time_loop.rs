@@ -13,7 +13,7 @@ use crate::live::LiveReader;
 use crate::meter::{Meter, PageFaults};
 use crate::reference::Generator;
 use crate::sample::Sample;
-use flexbeam_kernel::{Controller, Fault, Measured, Settings, State, tick};
+use flexbeam_kernel::{Channel, Commanded, Controller, Fault, Measured, Settings, State, tick};
 use flexbeam_rig::Measurement;
 
 /// The clock and the patience of a run.
@@ -152,7 +152,10 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
             instant: wake.instant,
             voltage_v: self.next_v,
             lateness_ns: wake.lateness_ns,
+            reference_rad: self.sample.reference_rad,
             measured: self.sample.measured,
+            commanded: Commanded { voltage_v: 0.0, u_v: 0.0, ..self.sample.commanded },
+            revision: self.sample.revision,
             ..Sample::default()
         };
     }
@@ -208,7 +211,11 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
             }
         }
         // Before the first measurement there is nothing to control, and the rig stays at 0 V.
-        let (Some(started), Some(measured)) = (self.started, self.last) else { return Ok(()) };
+        let Some(measured) = self.last else { return Ok(()) };
+        let Some(started) = self.started else {
+            self.rest(measured);
+            return Ok(());
+        };
         if self.silent_ns > self.tempo.hold_ns {
             return Err(RunFault::Silent { for_ns: self.silent_ns });
         }
@@ -221,6 +228,15 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
     /// A lost measurement is the link's silence, not frozen sensors.
     fn frozen_for(&mut self, measured: &Measurement, passed_ns: u64) -> Option<u64> {
         if self.sample.stale { None } else { self.frozen.look(measured, self.next_v, passed_ns) }
+    }
+
+    /// Armed: nothing is asked of the rig, so reference and model stand where the tip is.
+    fn rest(&mut self, measured: Measurement) {
+        let Settings { theta, alpha, .. } = self.live.in_force().settings;
+        let angle = |channel: Channel, reading: f64| channel.scale * (reading - channel.offset_rad);
+        let y = angle(theta, measured.theta_rad) + angle(alpha, measured.alpha_rad);
+        self.sample.reference_rad = y;
+        self.sample.commanded = Commanded { reference_rad: y, y_rad: y, y_model_rad: y, ..Commanded::default() };
     }
 
     fn tick(&mut self, started: u64, wake: &Wake, measured: Measurement) -> Result<(), RunFault> {

@@ -323,6 +323,9 @@ pub struct Show {
     /// Sample period [s] of a recording without a time column
     #[arg(long)]
     pub period: Option<f64>,
+    /// Draw a run into this folder: angles, deflection, voltages, lateness
+    #[arg(long)]
+    pub plots: Option<PathBuf>,
     /// One JSON object on standard output
     #[arg(long)]
     pub json: bool,

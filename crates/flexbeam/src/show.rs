@@ -4,6 +4,7 @@
 //! Deliberately absent: judgement; `flexbeam verify` gives that.
 
 mod holds;
+mod picture;
 mod run;
 
 use std::path::Path;
@@ -82,7 +83,12 @@ fn of_run(arguments: &cli::Show) -> Result<(), Failure> {
     let summary = content.summary(columns(&content.signals(0..content.samples.samples())));
     let json =
         |file, history| json_text(&ShowResult { file, schema: RUN_SCHEMA, content: &summary, poles: None, history });
-    answer(arguments, RUN_SCHEMA, json, || run::run(&summary))
+    answer(arguments, RUN_SCHEMA, json, || run::run(&summary))?;
+    if let Some(into) = &arguments.plots {
+        let files = picture::run(&content, into)?;
+        eprintln!("wrote {} in {}", files.join(", "), into.display());
+    }
+    Ok(())
 }
 
 fn layout(arguments: &cli::Show) -> Layout {
