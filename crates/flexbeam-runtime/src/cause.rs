@@ -35,12 +35,21 @@ pub enum RunFault {
         /// How long [ns].
         for_ns: u64,
     },
-    /// The sensors stand still to the last bit under a voltage that moves the rig.
-    #[error("the sensors are frozen: not a bit changed for {:.0} ms under a voltage that moves the hub", *.for_ns as f64 * 1e-6)]
+    /// The loop misses more periods than it makes up for.
+    #[error("the loop keeps missing periods: {missed} of them in excess, more than one voltage may stand (--hold)")]
+    Behind {
+        /// Missed periods, less one for every three ticks in between.
+        missed: u64,
+    },
+    /// The encoder stands still under a voltage that moves the hub.
+    #[error("the encoder is frozen: not a count in {:.0} ms under a voltage that moves the hub (a cable, a blocked hub, the amplifier)", *.for_ns as f64 * 1e-6)]
     Frozen {
         /// How long [ns].
         for_ns: u64,
     },
+    /// The end came, and the rig did not take 0 V.
+    #[error("the rig did not take 0 V at the end: {0}")]
+    NotAtZero(LinkFault),
     /// The back end.
     #[error(transparent)]
     Link(#[from] LinkFault),
@@ -68,6 +77,8 @@ impl RunFault {
             RunFault::Frozen { .. } => 13,
             RunFault::Watchdog => 14,
             RunFault::Panicked => 15,
+            RunFault::Behind { .. } => 16,
+            RunFault::NotAtZero(_) => 21,
             RunFault::Link(_) => 20,
         }
     }

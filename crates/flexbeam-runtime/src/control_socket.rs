@@ -10,17 +10,23 @@ use crate::recording::{shape_of_file, shape_of_run};
 use crate::sample::Sample;
 use crate::view::Latest;
 use flexbeam_files::{Reading, ReferenceChange, Reply, Request, json_text};
-use std::fs::Permissions;
+use nix::sys::socket::{Shutdown, shutdown};
+use nix::sys::stat::{Mode, umask};
+use std::collections::VecDeque;
 use std::io::{self, BufRead, BufReader, Read, Write};
-use std::os::unix::fs::PermissionsExt;
+use std::os::fd::AsRawFd;
+use std::os::unix::fs::{FileTypeExt, MetadataExt};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 /// A request longer than this is no request [bytes].
 const LONGEST_REQUEST: u64 = 64 * 1024;
 /// A client that says nothing for so long is let go; it may come again.
 const IDLE: Duration = Duration::from_secs(600);
+/// A client that does not take its answers for so long is let go.
+const SLOW: Duration = Duration::from_secs(10);
 /// Clients at a time.
 const MOST_CLIENTS: usize = 16;
 
@@ -37,10 +43,20 @@ pub struct Steering {
     pub period_s: f64,
 }
 
-/// A socket that listens; its file goes with it.
+/// A socket whose place is taken, and that does not listen yet.
+#[derive(Debug)]
+pub struct BoundSocket {
+    path: PathBuf,
+    listener: UnixListener,
+    /// Device and number of its file, by which it is told from another run's under the same name.
+    file: Option<(u64, u64)>,
+}
+
+/// A socket that listens; its file, its threads and its clients go with it.
 #[derive(Debug)]
 pub struct ControlSocket {
-    path: PathBuf,
+    bound: BoundSocket,
+    guests: Guests,
 }
 
 /// A socket that cannot be opened.
@@ -53,50 +69,145 @@ pub struct NoSocket {
     pub reason: String,
 }
 
-impl ControlSocket {
-    /// Listens until it is dropped; each client has a thread of its own.
+impl BoundSocket {
+    /// Takes the place, for this user alone. A socket that a dead run left behind is replaced; a living one and any other file are
+    /// not.
     ///
-    /// Errors: [`NoSocket`]. A socket that a dead run left behind is replaced, a living one is not.
-    pub fn open(path: &Path, steering: Steering) -> Result<ControlSocket, NoSocket> {
+    /// Errors: [`NoSocket`].
+    pub fn bind(path: &Path) -> Result<BoundSocket, NoSocket> {
         let refused = |error: io::Error| NoSocket { path: path.to_path_buf(), reason: error.to_string() };
-        if UnixStream::connect(path).is_err_and(|error| error.kind() == io::ErrorKind::ConnectionRefused) {
+        if is_left_behind(path) {
             std::fs::remove_file(path).map_err(refused)?;
         }
-        let listener = UnixListener::bind(path).map_err(refused)?;
-        let socket = ControlSocket { path: path.to_path_buf() };
-        std::fs::set_permissions(path, Permissions::from_mode(0o600)).map_err(refused)?;
+        // The file never stands there for others to open, not even before its permissions could be changed.
+        let before = umask(Mode::S_IRWXG | Mode::S_IRWXO);
+        let listener = UnixListener::bind(path);
+        umask(before);
+        let listener = listener.map_err(refused)?;
+        Ok(BoundSocket { path: path.to_path_buf(), listener, file: identity(path) })
+    }
+
+    /// Listens until the value is dropped; each client has a thread of its own.
+    ///
+    /// Errors: [`NoSocket`] when there is no thread to be had.
+    pub fn serve(self, steering: Steering) -> Result<ControlSocket, NoSocket> {
+        let refused = |error: io::Error| NoSocket { path: self.path.clone(), reason: error.to_string() };
+        let listener = self.listener.try_clone().map_err(refused)?;
+        let guests = Guests::default();
+        let seats = guests.clone();
         let thread = std::thread::Builder::new().name("flexbeam-control".into());
-        thread.spawn(move || listen(&listener, &steering)).map_err(refused)?;
-        Ok(socket)
+        thread.spawn(move || listen(&listener, &steering, &seats)).map_err(refused)?;
+        Ok(ControlSocket { bound: self, guests })
+    }
+}
+
+impl ControlSocket {
+    /// Takes the place and listens.
+    ///
+    /// Errors: those of [`BoundSocket::bind`] and [`BoundSocket::serve`].
+    pub fn open(path: &Path, steering: Steering) -> Result<ControlSocket, NoSocket> {
+        BoundSocket::bind(path)?.serve(steering)
+    }
+}
+
+fn is_left_behind(path: &Path) -> bool {
+    let is_socket = std::fs::symlink_metadata(path).is_ok_and(|file| file.file_type().is_socket());
+    is_socket && UnixStream::connect(path).is_err_and(|error| error.kind() == io::ErrorKind::ConnectionRefused)
+}
+
+fn identity(path: &Path) -> Option<(u64, u64)> {
+    std::fs::symlink_metadata(path).ok().map(|file| (file.dev(), file.ino()))
+}
+
+impl Drop for BoundSocket {
+    fn drop(&mut self) {
+        if self.file.is_some() && identity(&self.path) == self.file {
+            // Gone already when somebody tidied up.
+            let _ = std::fs::remove_file(&self.path);
+        }
     }
 }
 
 impl Drop for ControlSocket {
     fn drop(&mut self) {
-        // Gone already when somebody tidied up.
-        let _ = std::fs::remove_file(&self.path);
+        self.guests.close();
+        // Wakes the thread that waits for the next client.
+        let _ = shutdown(self.bound.listener.as_raw_fd(), Shutdown::Both);
     }
 }
 
-fn listen(listener: &UnixListener, steering: &Steering) {
-    let clients = std::sync::Arc::new(());
-    for stream in listener.incoming().flatten() {
-        if std::sync::Arc::strong_count(&clients) > MOST_CLIENTS {
-            continue; // the stream closes, which tells the client
+/// The clients that are there. When all seats are taken the newest gets the oldest one's: an emergency stop always gets in.
+#[derive(Clone, Debug, Default)]
+struct Guests(Arc<Mutex<Seats>>);
+
+#[derive(Debug, Default)]
+struct Seats {
+    closed: bool,
+    seats: VecDeque<(u64, UnixStream)>,
+    next: u64,
+}
+
+impl Guests {
+    fn lock(&self) -> std::sync::MutexGuard<'_, Seats> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A seat's number; nothing when the house is closed.
+    fn seat(&self, stream: &UnixStream) -> Option<u64> {
+        let mut seats = self.lock();
+        let stream = stream.try_clone().ok().filter(|_| !seats.closed)?;
+        if seats.seats.len() >= MOST_CLIENTS
+            && let Some((_, oldest)) = seats.seats.pop_front()
+        {
+            let _ = oldest.shutdown(std::net::Shutdown::Both);
         }
-        let (guest, steering) = (clients.clone(), steering.clone());
+        let number = seats.next;
+        seats.next += 1;
+        seats.seats.push_back((number, stream));
+        Some(number)
+    }
+
+    fn leave(&self, number: u64) {
+        self.lock().seats.retain(|(seat, _)| *seat != number);
+    }
+
+    fn close(&self) {
+        let mut seats = self.lock();
+        seats.closed = true;
+        for (_, stream) in seats.seats.drain(..) {
+            let _ = stream.shutdown(std::net::Shutdown::Both);
+        }
+    }
+
+    fn is_closed(&self) -> bool {
+        self.lock().closed
+    }
+}
+
+fn listen(listener: &UnixListener, steering: &Steering, guests: &Guests) {
+    while !guests.is_closed() {
+        let Ok((stream, _)) = listener.accept() else {
+            // Out of descriptors, say: a short rest, and the next client may have better luck.
+            std::thread::sleep(Duration::from_millis(20));
+            continue;
+        };
+        let Some(seat) = guests.seat(&stream) else { continue };
+        let (host, steering) = (guests.clone(), steering.clone());
         let thread = std::thread::Builder::new().name("flexbeam-client".into());
-        // Without a thread the client sees a closed stream.
-        let _ = thread.spawn(move || {
-            let _guest = guest;
+        let seated = thread.spawn(move || {
             let _ = serve(stream, &steering);
+            host.leave(seat);
         });
+        if seated.is_err() {
+            guests.leave(seat); // the stream closes, which tells the client
+        }
     }
 }
 
 /// Until the client leaves, idles for too long or sends a line without end.
 fn serve(stream: UnixStream, steering: &Steering) -> io::Result<()> {
     stream.set_read_timeout(Some(IDLE))?;
+    stream.set_write_timeout(Some(SLOW))?;
     let mut answers = stream.try_clone()?;
     let mut requests = BufReader::new(stream);
     let mut line = String::new();

@@ -1,13 +1,15 @@
-//! Sensors that stand still to the last bit while the voltage must move the hub: a cable came off, a converter hangs.
+//! An encoder that stands still while the voltage must move the hub: its cable came off, the hub is blocked, the amplifier is off.
+//!
+//! The gauge is not looked at: at a steady speed its converter may well give the same number for a while.
 
 use flexbeam_rig::Measurement;
 
-/// When sensors count as frozen.
+/// When the encoder counts as frozen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrozenLimit {
-    /// Above this voltage the hub moves, or the gauge flickers [V]; well above the breakaway voltage. Default 1.
+    /// Above this voltage the hub moves [V]; well above the breakaway voltage. Default 1.
     pub voltage_v: f64,
-    /// For how long not a bit may change under such a voltage [s]. Default 0.25.
+    /// For how long not a count may change under such a voltage [s]. Default 0.25.
     pub time_s: f64,
 }
 
@@ -31,7 +33,7 @@ impl FrozenLimit {
 pub(crate) struct FrozenWatch {
     voltage_v: f64,
     limit_ns: u64,
-    last: Option<[u64; 2]>,
+    last: Option<u64>,
     still_ns: u64,
 }
 
@@ -41,9 +43,9 @@ impl FrozenWatch {
         FrozenWatch { voltage_v: limit.voltage_v, limit_ns, last: None, still_ns: 0 }
     }
 
-    /// Real-time: yes. For how long the sensors have been frozen, once that is too long [ns].
+    /// Real-time: yes. For how long the encoder has been frozen, once that is too long [ns].
     pub(crate) fn look(&mut self, measured: &Measurement, voltage_v: f64, period_ns: u64) -> Option<u64> {
-        let bits = [measured.theta_rad.to_bits(), measured.alpha_rad.to_bits()];
+        let bits = measured.theta_rad.to_bits();
         let moves = voltage_v.abs() > self.voltage_v;
         let still = self.last == Some(bits) && moves;
         self.still_ns = if still { self.still_ns.saturating_add(period_ns) } else { 0 };
@@ -59,7 +61,7 @@ mod tests {
     const STILL: Measurement = Measurement { theta_rad: 0.1, alpha_rad: -0.2 };
 
     #[test]
-    fn still_sensors_under_a_moving_voltage_are_frozen_after_their_time() {
+    fn a_still_encoder_under_a_moving_voltage_is_frozen_after_its_time() {
         let limit = FrozenLimit { voltage_v: 0.5, time_s: 0.003 };
         let mut watch = FrozenWatch::new(&limit);
         let found: Vec<Option<u64>> = (0..6).map(|_| watch.look(&STILL, -0.6, 1_000_000)).collect();
@@ -67,10 +69,10 @@ mod tests {
     }
 
     #[test]
-    fn rest_at_a_small_voltage_and_a_single_bit_are_not() {
+    fn rest_at_a_small_voltage_and_a_single_count_are_not() {
         let mut watch = FrozenWatch::new(&FrozenLimit { voltage_v: 0.5, time_s: 0.003 });
         assert!((0..100).all(|_| watch.look(&STILL, 0.5, 1_000_000).is_none()));
-        let flicker = Measurement { alpha_rad: f64::from_bits(STILL.alpha_rad.to_bits() + 1), ..STILL };
+        let flicker = Measurement { theta_rad: f64::from_bits(STILL.theta_rad.to_bits() + 1), ..STILL };
         let readings = [STILL, flicker].into_iter().cycle().take(100);
         assert!(readings.into_iter().all(|m| watch.look(&m, 5.0, 1_000_000).is_none()));
     }

@@ -15,6 +15,8 @@ const REST_THETA_RAD: f64 = 2.5 * COUNT_RAD;
 const REST_ALPHA_RAD: f64 = 0.0035;
 /// The hub has moved when it is this far from where it was [rad].
 const MOVED_RAD: f64 = 6.0 * COUNT_RAD;
+/// Further than this nothing is waited for [rad]: 10 degrees.
+const MUCH_RAD: f64 = 0.175;
 /// The beam lags behind for less than half a swing at the clamped frequency of 3.2 Hz [s].
 const LAG_S: f64 = 0.12;
 /// A lag counts beyond this multiple of the gauge's noise at rest.
@@ -132,7 +134,8 @@ impl SignWatch {
         if self.moved.is_none() && !sample.stale && turned > MOVED_RAD {
             self.moved = Some(sample.instant);
         }
-        self.moved.is_some_and(|moved| sample.instant.saturating_sub(moved) >= self.lag_ticks)
+        let half_a_swing = |moved| sample.instant.saturating_sub(moved) >= self.lag_ticks;
+        self.moved.is_some_and(|moved| turned > MUCH_RAD || half_a_swing(moved))
     }
 }
 

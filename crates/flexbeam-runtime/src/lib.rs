@@ -43,7 +43,7 @@ mod watchdog;
 
 pub use cause::{Cause, RunFault, kernel_words};
 pub use clock::{Clock, Monotonic, NS_PER_S};
-pub use control_socket::{ControlSocket, NoSocket, Steering, change_reference};
+pub use control_socket::{BoundSocket, ControlSocket, NoSocket, Steering, change_reference};
 pub use controls::Controls;
 pub use dry_run::CannotHold;
 pub use frozen::FrozenLimit;

@@ -10,6 +10,9 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use triple_buffer::{Input, Output, triple_buffer};
 
+/// Sets that are kept for the recorder, which asks within milliseconds: nobody changes faster than this.
+const MOST_RECENT: usize = 4096;
+
 /// One whole set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Live {
@@ -31,6 +34,18 @@ pub enum Refused {
         name: &'static str,
         /// What would make sense.
         needed: &'static str,
+    },
+    /// A limit that stops the rig, looser than it was when the run began.
+    #[error(
+        "found {name} of {found}, needed at most {limit}, as when the run began\nhint: limits may be tightened in a run, and loosened between runs only"
+    )]
+    Loosened {
+        /// The key.
+        name: &'static str,
+        /// What was asked for.
+        found: f64,
+        /// What it was when the run began.
+        limit: f64,
     },
     /// A zero or a scale.
     #[error(
@@ -66,6 +81,22 @@ impl Live {
         Ok(())
     }
 
+    fn check_limits(&self, first: &Live) -> Result<(), Refused> {
+        let limits = |s: &kernel::Settings| {
+            [
+                ("voltage_limit_v", s.voltage_limit_v),
+                ("deflection_limit_rad", s.deflection_limit_rad),
+                ("theta_limit_rad", s.theta_limit_rad),
+                ("theta_step_limit_rad", s.theta_step_limit_rad),
+            ]
+        };
+        let mut pairs = limits(&self.settings).into_iter().zip(limits(&first.settings));
+        match pairs.find(|((_, found), (_, limit))| found > limit) {
+            Some(((name, found), (_, limit))) => Err(Refused::Loosened { name, found, limit }),
+            None => Ok(()),
+        }
+    }
+
     fn check_fixed(&self, before: &Live) -> Result<(), Refused> {
         let calibration = |s: &kernel::Settings| [s.theta.scale, s.theta.offset_rad, s.alpha.scale, s.alpha.offset_rad];
         let names = ["theta.scale", "theta.offset_rad", "alpha.scale", "alpha.offset_rad"];
@@ -83,6 +114,8 @@ pub struct LiveControl(Arc<Mutex<Writer>>);
 
 struct Writer {
     input: Input<Live>,
+    /// The set at the start, whose limits are the widest.
+    first: Live,
     current: Live,
     /// Sets that the loop may still take into force, or has, and that nobody has asked for yet.
     recent: VecDeque<Live>,
@@ -97,7 +130,7 @@ pub struct LiveReader(Output<Live>);
 pub fn live(first: Live) -> Result<(LiveControl, LiveReader), Refused> {
     first.check()?;
     let (input, output) = triple_buffer(&first);
-    let writer = Writer { input, recent: [first.clone()].into(), current: first };
+    let writer = Writer { input, recent: [first.clone()].into(), current: first.clone(), first };
     Ok((LiveControl(Arc::new(Mutex::new(writer))), LiveReader(output)))
 }
 
@@ -117,7 +150,7 @@ impl LiveControl {
 
     /// Real-time: no. Changes the set; it takes effect at the next tick. Returns its revision, the old one when nothing changed.
     ///
-    /// Errors: those of [`Live::check`]; [`Refused::Fixed`]. Then the old set stays.
+    /// Errors: those of [`Live::check`]; [`Refused::Fixed`], [`Refused::Loosened`]. Then the old set stays.
     pub fn change(&self, change: impl FnOnce(&mut Live)) -> Result<u32, Refused> {
         let mut writer = self.lock();
         let mut next = writer.current.clone();
@@ -127,9 +160,13 @@ impl LiveControl {
         }
         next.check()?;
         next.check_fixed(&writer.current)?;
+        next.check_limits(&writer.first)?;
         next.revision = writer.current.revision + 1;
         writer.input.write(next.clone());
         writer.recent.push_back(next.clone());
+        if writer.recent.len() > MOST_RECENT {
+            writer.recent.pop_front();
+        }
         writer.current = next;
         Ok(writer.current.revision)
     }
@@ -180,7 +217,8 @@ mod tests {
     fn what_makes_no_sense_is_refused_and_the_old_set_stays() {
         let (control, mut reader) = live(first()).unwrap();
         type Change = fn(&mut Live);
-        let changes: [(Change, &str); 6] = [
+        let changes: [(Change, &str); 7] = [
+            (|l| l.settings.voltage_limit_v = 11.0, "voltage_limit_v"),
             (|l| l.settings.eps_u_v = f64::NAN, "eps_u_v"),
             (|l| l.settings.voltage_limit_v = -1.0, "voltage_limit_v"),
             (|l| l.reference.amplitude_rad = f64::INFINITY, "reference.amplitude_rad"),
@@ -193,11 +231,24 @@ mod tests {
         ];
         for (change, name) in changes {
             let refused = control.change(change).unwrap_err();
-            let (Refused::Senseless { name: found, .. } | Refused::Fixed { name: found }) = refused;
+            let (Refused::Senseless { name: found, .. }
+            | Refused::Fixed { name: found }
+            | Refused::Loosened { name: found, .. }) = refused;
             assert_eq!(found, name);
         }
         assert_eq!(reader.newest(), &first());
         assert_eq!(control.current(), first());
+    }
+
+    /// A slider that is dragged for an hour with nobody who records.
+    #[test]
+    fn sets_that_nobody_asks_for_are_forgotten() {
+        let (control, _reader) = live(first()).unwrap();
+        (1..20_000)
+            .for_each(|k| assert_eq!(control.change(|live| live.reference.amplitude_rad = f64::from(k)), Ok(k as u32)));
+        assert_eq!(control.lock().recent.len(), MOST_RECENT);
+        assert_eq!(control.recorded(19_999).map(|live| live.revision), Some(19_999));
+        assert_eq!(control.lock().recent.len(), 1);
     }
 
     /// A writer that never rests: the reader sees sets whose two numbers belong together, and only newer ones.

@@ -16,6 +16,9 @@ use crate::sample::Sample;
 use flexbeam_kernel::{Channel, Commanded, Controller, Fault, Measured, Settings, State, tick};
 use flexbeam_rig::Measurement;
 
+/// Punctual ticks in a row that make up for one missed period.
+const MAKES_UP: u64 = 3;
+
 /// The clock and the patience of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tempo {
@@ -48,6 +51,9 @@ pub(crate) struct RealTimeLoop<'a, C: Clock> {
     /// Instant of the last fresh measurement that was ticked on.
     fresh: Option<u64>,
     silent_ns: u64,
+    /// Missed periods, less one for every [`MAKES_UP`] ticks: what the loop is behind.
+    behind: u64,
+    punctual: u64,
     /// Instant of the first running tick, and of the last one.
     started: Option<u64>,
     ticked: Option<u64>,
@@ -58,9 +64,18 @@ pub(crate) struct RealTimeLoop<'a, C: Clock> {
 /// The rig goes to 0 V when this goes, however the loop ends: asked, by a fault, by a panic.
 struct ZeroAtTheEnd<'a>(&'a mut dyn BackEnd);
 
+impl ZeroAtTheEnd<'_> {
+    /// Real-time: yes. 0 V, and whether the rig took it.
+    fn end(self) -> Result<(), LinkFault> {
+        let taken = self.0.zero();
+        std::mem::forget(self);
+        taken
+    }
+}
+
 impl Drop for ZeroAtTheEnd<'_> {
     fn drop(&mut self) {
-        // An error here means that the rig is out of reach: its own time-out or watchdog has the last word.
+        // On the way out of a panic there is nobody to tell.
         let _ = self.0.zero();
     }
 }
@@ -85,6 +100,8 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
             last: None,
             fresh: None,
             silent_ns: 0,
+            behind: 0,
+            punctual: 0,
             started: None,
             ticked: None,
             sample: Sample::default(),
@@ -103,9 +120,10 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
     pub(crate) fn run(mut self, back_end: &mut dyn BackEnd) -> (Cause, Meter) {
         self.controls.set_phase(self.phase);
         let before = PageFaults::of_this_thread();
-        let cause = {
-            let rig = ZeroAtTheEnd(back_end);
-            self.ticks(rig.0)
+        let rig = ZeroAtTheEnd(back_end);
+        let cause = match (self.ticks(rig.0), rig.end()) {
+            (Cause::Over | Cause::Asked, Err(fault)) => Cause::Fault(RunFault::NotAtZero(fault)),
+            (cause, _) => cause,
         };
         self.meter.page_faults = PageFaults::of_this_thread().since(before);
         self.end(cause);
@@ -127,7 +145,6 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
         self.note(wake);
         self.start_if_asked(wake);
         if let Some(cause) = self.ending(wake) {
-            self.sample.voltage_v = 0.0;
             return Some(cause);
         }
         let ended = match rig.exchange(wake.instant, self.next_v) {
@@ -148,6 +165,7 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
     fn note(&mut self, wake: &Wake) {
         self.meter.lateness.record(wake.lateness_ns);
         self.meter.missed = self.meter.missed.saturating_add(wake.missed);
+        self.count_behind(wake.missed);
         self.sample = Sample {
             instant: wake.instant,
             voltage_v: self.next_v,
@@ -158,6 +176,16 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
             revision: self.sample.revision,
             ..Sample::default()
         };
+    }
+
+    /// A stall is made up for by the ticks after it; a machine that is too slow falls further and further behind.
+    fn count_behind(&mut self, missed: u64) {
+        self.punctual = if missed == 0 { self.punctual.saturating_add(1) } else { 0 };
+        if self.punctual >= MAKES_UP {
+            self.punctual = 0;
+            self.behind = self.behind.saturating_sub(1);
+        }
+        self.behind = if self.phase == Phase::Running { self.behind.saturating_add(missed) } else { 0 };
     }
 
     fn start_if_asked(&mut self, wake: &Wake) {
@@ -188,6 +216,8 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
             Some(Cause::Over)
         } else if self.phase == Phase::Running && self.ticked.is_some() && wake.lateness_ns > self.tempo.hold_ns {
             Some(Cause::Fault(RunFault::Overrun { late_ns: wake.lateness_ns }))
+        } else if self.behind.saturating_mul(self.tempo.period_ns) > self.tempo.hold_ns {
+            Some(Cause::Fault(RunFault::Behind { missed: self.behind }))
         } else {
             None
         }
@@ -210,15 +240,15 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
                 self.meter.stale = self.meter.stale.saturating_add(1);
             }
         }
+        if self.started.is_some() && self.silent_ns > self.tempo.hold_ns {
+            return Err(RunFault::Silent { for_ns: self.silent_ns });
+        }
         // Before the first measurement there is nothing to control, and the rig stays at 0 V.
         let Some(measured) = self.last else { return Ok(()) };
         let Some(started) = self.started else {
             self.rest(measured);
             return Ok(());
         };
-        if self.silent_ns > self.tempo.hold_ns {
-            return Err(RunFault::Silent { for_ns: self.silent_ns });
-        }
         if let Some(for_ns) = self.frozen_for(&measured, passed_ns) {
             return Err(RunFault::Frozen { for_ns });
         }
@@ -286,6 +316,8 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
             Cause::Fault(_) => Event::Fault,
         });
         self.sample.phase = self.phase;
+        // What was sent with this instant's exchange stood for microseconds.
+        self.sample.voltage_v = 0.0;
         self.sample.commanded.voltage_v = 0.0;
         self.sample.fault = match cause {
             Cause::Fault(fault) => Some(fault),

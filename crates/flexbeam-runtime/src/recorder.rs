@@ -7,6 +7,7 @@ use crate::lifecycle::Phase;
 use crate::live::LiveControl;
 use crate::sample::Sample;
 use crate::sink::{EventKind, RunEvent, RunReport, Sink, SinkError};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
@@ -43,6 +44,14 @@ pub struct Recorded {
     pub failures: Vec<SinkError>,
     /// Samples that a failed sink did not get, or could not keep.
     pub refused: u64,
+}
+
+impl Recorded {
+    /// Of a recorder that died: how much it kept nobody knows.
+    pub(crate) fn lost() -> Recorded {
+        let reason = "its thread panicked, which is a bug of flexbeam".into();
+        Recorded { failures: vec![SinkError { sink: "the recorder".into(), reason, lost: 0 }], refused: 0 }
+    }
 }
 
 impl Recorder {
@@ -129,11 +138,18 @@ impl Recorder {
     /// Does it to every sink; one that fails goes, and the others hear of it.
     fn all(&mut self, what: &mut dyn FnMut(&mut dyn Sink) -> Result<(), SinkError>) {
         let mut failed = Vec::new();
-        self.sinks.retain_mut(|sink| what(sink.as_mut()).map_err(|error| failed.push(error)).is_ok());
+        self.sinks.retain_mut(|sink| caught(|| what(sink.as_mut())).map_err(|error| failed.push(error)).is_ok());
         for error in failed {
             self.refused += error.lost;
             self.failures.push(error.clone());
             self.event(EventKind::Warning, error.to_string());
         }
     }
+}
+
+/// A sink that panics has failed; the others and the run go on.
+fn caught(what: impl FnOnce() -> Result<(), SinkError>) -> Result<(), SinkError> {
+    let panicked =
+        |_| Err(SinkError { sink: "a sink".into(), reason: "it panicked, which is a bug of flexbeam".into(), lost: 1 });
+    catch_unwind(AssertUnwindSafe(what)).unwrap_or_else(panicked)
 }

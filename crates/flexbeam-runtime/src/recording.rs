@@ -14,6 +14,7 @@ use flexbeam_files as files;
 use flexbeam_files::{
     LinkCounts, LiveSettings, RunFile, RunPhase, RunReference, RunResult, RunSample, RunShape, TimeQuantiles,
 };
+use flexbeam_kernel::Channel;
 use std::path::{Path, PathBuf};
 
 /// What a report does not know of itself.
@@ -33,12 +34,20 @@ pub struct RunSink {
     context: RunContext,
     /// Samples that a power loss would take.
     at_risk: u64,
+    /// Scales and zeroes of the sensors, which stay as they are for the whole run.
+    calibration: [Channel; 2],
 }
 
 impl RunSink {
     /// Real-time: no. Over a file that has just been begun; `path` is for messages.
     pub fn new(file: RunFile, path: &Path, context: RunContext) -> RunSink {
-        RunSink { file: Some(file), path: path.to_path_buf(), context, at_risk: 0 }
+        RunSink {
+            file: Some(file),
+            path: path.to_path_buf(),
+            context,
+            at_risk: 0,
+            calibration: [Channel::default(); 2],
+        }
     }
 
     fn write(&mut self, what: impl FnOnce(&mut RunFile) -> Result<(), files::Error>) -> Result<(), SinkError> {
@@ -54,10 +63,12 @@ impl RunSink {
 impl Sink for RunSink {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.at_risk += 1;
-        self.write(|file| file.sample(&run_sample(sample)))
+        let sample = run_sample(sample, &self.calibration);
+        self.write(|file| file.sample(&sample))
     }
 
     fn settings(&mut self, instant: u64, live: &Live) -> Result<(), SinkError> {
+        self.calibration = [live.settings.theta, live.settings.alpha];
         let reference = run_reference(&live.reference);
         let settings = table_of(&live.settings);
         self.write(|file| file.settings(&LiveSettings { revision: live.revision, tick: instant, settings, reference }))
@@ -130,7 +141,9 @@ fn quantiles(times: &Times) -> TimeQuantiles {
     }
 }
 
-fn run_sample(sample: &Sample) -> RunSample {
+/// The angles are from their zeroes, so that who reads the columns need not know of them; unfiltered.
+fn run_sample(sample: &Sample, [theta, alpha]: &[Channel; 2]) -> RunSample {
+    let angle = |channel: &Channel, reading: f64| channel.scale * (reading - channel.offset_rad);
     let short = |ns: u64| u32::try_from(ns).unwrap_or(u32::MAX);
     let phase = match sample.phase {
         Phase::Configured | Phase::Armed => RunPhase::Armed,
@@ -145,8 +158,8 @@ fn run_sample(sample: &Sample) -> RunSample {
         u_v: commanded.u_v,
         reference_rad: sample.reference_rad,
         smoothed_rad: commanded.reference_rad,
-        theta_rad: sample.measured.theta_rad,
-        alpha_rad: sample.measured.alpha_rad,
+        theta_rad: angle(theta, sample.measured.theta_rad),
+        alpha_rad: angle(alpha, sample.measured.alpha_rad),
         psi_rad: commanded.y_rad,
         y_model_rad: commanded.y_model_rad,
         error_rad: commanded.error_rad,

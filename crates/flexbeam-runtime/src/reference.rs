@@ -49,13 +49,17 @@ impl Default for Reference {
     }
 }
 
+/// A period is a whole number of ticks within this, relative: 0.3 s at 0.001 s is 300 ticks, whatever the division says.
+const WHOLE: f64 = 1e-9;
+
 /// Where a periodic reference stands in its period.
 ///
-/// The phase is counted on, not computed from the time, so a new period or amplitude leaves it where it is.
+/// The place is counted on, not computed from the time, so a new period or amplitude leaves it where it is.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Generator {
-    /// Part of the period that is gone, 0 to 1.
-    phase: f64,
+    /// Ticks of the period that are gone, and its length in ticks.
+    gone: f64,
+    length: f64,
 }
 
 impl Generator {
@@ -71,13 +75,25 @@ impl Generator {
         reference.offset_rad + reference.amplitude_rad * wave
     }
 
-    /// The wave at the phase that is reached, then on by `ticks` periods of the loop.
+    /// The wave after `ticks` more ticks.
     fn advance(&mut self, reference: &Reference, ticks: u64, period_s: f64, wave: impl Fn(f64) -> f64) -> f64 {
-        let step = ticks as f64 * period_s / reference.period_s;
-        let here = self.phase + if step.is_finite() { step } else { 0.0 };
-        self.phase = here - here.floor();
-        wave(self.phase)
+        let length = in_ticks(reference.period_s / period_s);
+        if length != self.length {
+            self.gone = if self.length > 0.0 { self.gone / self.length * length } else { 0.0 };
+            self.length = length;
+        }
+        if !(length > 0.0 && length.is_finite()) {
+            return wave(0.0);
+        }
+        // The remainder of two whole numbers is exact, so the edges of a whole number of ticks do not wander.
+        self.gone = (self.gone + ticks as f64) % length;
+        wave(self.gone / length)
     }
+}
+
+fn in_ticks(ratio: f64) -> f64 {
+    let whole = ratio.round();
+    if (ratio - whole).abs() <= WHOLE * whole { whole } else { ratio }
 }
 
 fn step(time_s: f64, delay_s: f64) -> f64 {
@@ -131,6 +147,14 @@ mod tests {
         let before = generator.next(&slow, 5, 5, 0.05);
         let after = generator.next(&fast, 6, 1, 0.05);
         assert!((before - 9.0).abs() < 1e-12 && (after - 9.4).abs() < 1e-12, "{before} {after}");
+    }
+
+    #[test]
+    fn edges_of_a_whole_number_of_ticks_do_not_wander() {
+        let square = Reference { shape: Shape::Square, amplitude_rad: 1.0, period_s: 0.3, ..Reference::default() };
+        let mut generator = Generator::default();
+        let wave: Vec<f64> = (0..100_000).map(|k| generator.next(&square, k, u64::from(k > 0), 0.001)).collect();
+        assert!(wave.iter().enumerate().all(|(k, r)| *r == if k % 300 < 150 { 1.0 } else { -1.0 }));
     }
 
     #[test]

@@ -235,14 +235,13 @@ impl Session {
 
     /// Real-time: no. Whether the loop has ended.
     pub fn is_over(&self) -> bool {
-        matches!(self.controls.phase(), Phase::Stopped | Phase::Faulted) || self.watchdog_bit()
+        matches!(self.controls.phase(), Phase::Stopped | Phase::Faulted) || self.controls.bitten()
     }
 
     /// Real-time: no. Waits for the end, however long it takes, and brings everything home.
     pub fn finish(mut self) -> Outcome {
         let end = self.wait();
-        self.watchdog_done.store(true, Ordering::Release);
-        let _ = self.watchdog.take().map(JoinHandle::join);
+        self.dismiss_watchdog();
         let (cause, meter, back_end) = match end {
             Some(LoopEnd { cause, meter, back_end }) => (cause, meter, Some(back_end)),
             None => (Cause::Fault(RunFault::Watchdog), Meter::default(), None),
@@ -252,13 +251,16 @@ impl Session {
         let warnings = std::mem::take(self.warnings.get_mut().unwrap_or_else(PoisonError::into_inner));
         let report = RunReport { cause, text, meter, link, warnings };
         let _ = self.events.send(Message::Over(Box::new(report.clone())));
-        let recorded = self.recorder.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
-        Outcome { report, recorded, back_end }
+        let recorded = self.recorder.take().and_then(|thread| thread.join().ok());
+        Outcome { report, recorded: recorded.unwrap_or_else(Recorded::lost), back_end }
     }
 
-    /// The watchdog's thread ends before the loop only when it bites.
-    fn watchdog_bit(&self) -> bool {
-        self.watchdog.as_ref().is_none_or(JoinHandle::is_finished)
+    /// After the loop's end. A watchdog that hangs in its cutoff is left behind like the loop that it cut off.
+    fn dismiss_watchdog(&mut self) {
+        self.watchdog_done.store(true, Ordering::Release);
+        if let Some(watchdog) = self.watchdog.take().filter(|_| !self.controls.bitten()) {
+            let _ = watchdog.join();
+        }
     }
 
     /// The loop's end; nothing when it hangs although the watchdog has cut the voltage off.
@@ -266,7 +268,7 @@ impl Session {
         loop {
             match self.outcome.recv_timeout(LEFT_BEHIND) {
                 Ok(end) => return Some(end),
-                Err(RecvTimeoutError::Timeout) if self.watchdog_bit() => return None,
+                Err(RecvTimeoutError::Timeout) if self.controls.bitten() => return None,
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return None,
             }
@@ -274,11 +276,15 @@ impl Session {
     }
 }
 
-/// A run that nobody holds any more has nobody to stop it.
+/// A run that nobody holds any more has nobody to stop it: it is brought to 0 V before the holder goes on, also out of a panic.
 impl Drop for Session {
     fn drop(&mut self) {
+        if self.recorder.is_none() {
+            return; // finished
+        }
         self.controls.stop();
-        self.watchdog_done.store(true, Ordering::Release);
+        drop(self.wait());
+        self.dismiss_watchdog();
     }
 }
 
@@ -339,5 +345,8 @@ fn loop_thread<C: Clock>(
     let the_loop = RealTimeLoop::new(tempo, clock, controls, &mut reader, samples, (controller, state));
     let run = AssertUnwindSafe(|| the_loop.run(back_end.as_mut()));
     let (cause, meter) = catch_unwind(run).unwrap_or_else(|_| (Cause::Fault(RunFault::Panicked), Meter::default()));
+    if cause == Cause::Fault(RunFault::Panicked) {
+        controls.set_phase(Phase::Faulted);
+    }
     Some(LoopEnd { cause, meter, back_end })
 }

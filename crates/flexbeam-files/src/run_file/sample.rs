@@ -80,8 +80,8 @@ fields! {
     u_v: f64 "float64" ["v"] "The controller's u, before the variable-structure law [V].";
     reference_rad: f64 "float64" ["rad"] "Reference as asked for [rad].";
     smoothed_rad: f64 "float64" ["rad"] "Reference after the smooth step [rad].";
-    theta_rad: f64 "float64" ["rad"] "Hub angle as measured [rad].";
-    alpha_rad: f64 "float64" ["rad"] "Deflection angle as measured [rad].";
+    theta_rad: f64 "float64" ["rad"] "Hub angle as measured, from its zero, unfiltered [rad].";
+    alpha_rad: f64 "float64" ["rad"] "Deflection angle as measured, from its zero, unfiltered [rad].";
     psi_rad: f64 "float64" ["rad"] "Tip angle, filtered [rad].";
     y_model_rad: f64 "float64" ["rad"] "Output of the reference model [rad].";
     error_rad: f64 "float64" ["rad"] "The reference model's output less the tip angle [rad].";

@@ -25,13 +25,9 @@ fn figure(title: &str, samples: &RunColumns, t: &[f64]) -> Figure {
                 .share(1.6)
                 .line("reference", t, &degrees(&samples.smoothed_rad))
                 .line("tip ψ", t, &degrees(&samples.psi_rad))
-                .line("hub θ, as measured", t, &degrees(&samples.theta_rad)),
+                .line("hub θ", t, &degrees(&samples.theta_rad)),
         )
-        .panel(Panel::new("Deflection α [deg]").with(Series::line(
-            "deflection α, as measured",
-            t,
-            &degrees(&samples.alpha_rad),
-        )))
+        .panel(Panel::new("Deflection α [deg]").with(Series::line("deflection α", t, &degrees(&samples.alpha_rad))))
         .panel(
             Panel::new("Voltage [V]")
                 .with(Series::step("controller u", t, &samples.u_v))
