@@ -4,6 +4,7 @@ mod arming;
 mod certified;
 mod lines;
 mod reference;
+mod terminal;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,8 +16,8 @@ use flexbeam_report::{Cell, Table, engineering};
 use flexbeam_rig::RigParameters;
 use flexbeam_runtime::port::Port;
 use flexbeam_runtime::{
-    Cause, ControlSocket, ControllerData, EventKind, FrozenLimit, Latest, Live, Outcome, Phase, RunContext, RunSink,
-    Session, Setup, Sink, Steering, run_result, with_table,
+    Cause, ControlSocket, ControllerData, EventKind, FrozenLimit, Latest, Live, Outcome, RunContext, RunSink, Session,
+    Setup, Sink, Steering, run_result, with_table,
 };
 
 use crate::controller_file::kernel_settings;
@@ -80,8 +81,17 @@ pub fn run(arguments: &cli::Run) -> Result<(), Failure> {
     plan.overrides.iter().for_each(|text| session.note(EventKind::Override, text));
     let steering = Steering { controls: session.controls.clone(), live: session.live.clone(), latest, period_s };
     let _socket = arguments.control.as_deref().map(|path| open_socket(path, &steering)).transpose()?;
-    lines::watch(&session, &steering);
+    watch(arguments, &plan, &session, &steering);
     answer(arguments, session.finish(), &context)
+}
+
+/// Until the run is over: on the terminal where there is one, then in lines whatever was not told yet.
+fn watch(arguments: &cli::Run, plan: &Plan, session: &Session, steering: &Steering) {
+    if !arguments.plain && !arguments.json && terminal::is_there() {
+        let controller = arguments.controller.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        terminal::watch(session, steering, terminal::About { controller, port: plan.port.to_string() });
+    }
+    lines::watch(session, steering);
 }
 
 fn open_socket(path: &Path, steering: &Steering) -> Result<ControlSocket, Failure> {
@@ -234,9 +244,4 @@ fn table(result: &RunResult) -> Table {
     counts
         .into_iter()
         .fold(table, |table, (name, n)| table.row([name.into(), count(n), "".into(), "".into(), "".into()]))
-}
-
-/// Whether a session still waits for its start.
-pub(crate) fn is_waiting(session: &Session) -> bool {
-    session.controls.phase() == Phase::Armed
 }
