@@ -46,7 +46,7 @@ impl Watched {
         let end = || Stdio::from(line.try_clone().expect("another handle"));
         let mut command = Command::new(env!("CARGO_BIN_EXE_flexbeam"));
         command.args(words.split_whitespace()).current_dir(bench.path("")).stdin(end()).stderr(end());
-        command.stdout(Stdio::null());
+        command.stdout(Stdio::null()).env("TERM", "xterm-256color");
         // SAFETY: between fork and exec only two system calls are made, both of which may be made there.
         unsafe { command.pre_exec(become_the_terminals_own) };
         let program = command.spawn().expect("the program starts");
@@ -212,12 +212,14 @@ fn a_run_waits_for_its_start_and_q_ends_it_well() {
 }
 
 #[test]
-fn ctrl_c_is_a_key_and_ends_it_well() {
+fn ctrl_c_and_escape_are_keys_and_end_it_well() {
     let bench = bench();
-    let mut watched = Watched::start(&bench, RUN);
-    watched.wait_for("RUNNING");
-    watched.press("\x03");
-    assert_eq!(watched.end().0, 0);
+    for key in ["\x03", "\x1b"] {
+        let mut watched = Watched::start(&bench, &format!("{RUN} --force"));
+        watched.wait_for("RUNNING");
+        watched.press(key);
+        assert_eq!(watched.end().0, 0, "{key:?}");
+    }
 }
 
 /// A closed window or a broken connection: the run ends at 0 V, and its recording is whole.

@@ -41,9 +41,10 @@ pub struct About {
     pub port: String,
 }
 
-/// Whether there is a terminal to draw on and to read keys from.
+/// Whether there is a terminal to draw on and to read keys from; a dumb one is none.
 pub fn is_there() -> bool {
-    io::stdin().is_terminal() && io::stderr().is_terminal()
+    let draws = std::env::var_os("TERM").is_some_and(|name| name != "dumb");
+    draws && io::stdin().is_terminal() && io::stderr().is_terminal()
 }
 
 /// Shows the run until it is over, or until the view breaks; the terminal is as it was before.

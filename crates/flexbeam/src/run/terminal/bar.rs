@@ -2,10 +2,10 @@
 
 const MIDDLE: char = '│';
 
-/// The bar of `x` between `-end` and `end`, `width` cells wide; a value beyond its end fills its side.
-pub fn bar(x: f64, end: f64, width: usize) -> String {
+/// A bar of a part between -1 and 1, `width` cells wide. More fills its side; what is no number leaves both empty.
+pub fn bar(part: f64, width: usize) -> String {
     let side = width.saturating_sub(1) / 2;
-    let part = if end > 0.0 && x.is_finite() { (x / end).clamp(-1.0, 1.0) } else { 0.0 };
+    let part = if part.is_nan() { 0.0 } else { part.clamp(-1.0, 1.0) };
     let halves = (part.abs() * 2.0 * side as f64).round() as usize;
     let (full, half) = (halves / 2, halves % 2);
     let empty = " ".repeat(side - full - half);
@@ -34,10 +34,10 @@ mod tests {
             (-80.0, "━━━━│    "),
             (f64::NAN, "    │    "),
         ] {
-            assert_eq!(bar(x, 8.0, 9), expected, "{x}");
+            assert_eq!(bar(x / 8.0, 9), expected, "{x}");
         }
-        assert_eq!(bar(1.0, 1.0, 10).chars().count(), 9, "a bar has a middle");
-        assert_eq!(bar(1.0, 0.0, 3), " │ ");
-        assert_eq!(bar(1.0, 1.0, 0), "│");
+        assert_eq!(bar(1.0, 10).chars().count(), 9, "a bar has a middle");
+        assert_eq!(bar(f64::INFINITY, 3), " │━");
+        assert_eq!(bar(1.0, 0), "│");
     }
 }

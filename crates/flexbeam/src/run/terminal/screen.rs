@@ -88,38 +88,55 @@ fn phase(picture: &Picture) -> Vec<Span<'static>> {
     vec![Span::styled(word, style.add_modifier(Modifier::BOLD | Modifier::REVERSED)), time.into()]
 }
 
-/// The numbers, each with its bar.
+/// A number with its bar.
+struct Row {
+    name: &'static str,
+    number: String,
+    /// The number as a part of the bar's end.
+    part: f64,
+    end: String,
+    bar: Bar,
+}
+
+/// What the end of a bar is.
+#[derive(PartialEq)]
+enum Bar {
+    Limit,
+    Scale,
+}
+
 fn readings(picture: &Picture, width: u16) -> Vec<Line<'static>> {
-    let r = picture.reading.unwrap_or_default();
-    let ends = picture.ends;
-    let (angle, volts) = (ends.angle_rad, ends.voltage_v);
-    let in_degrees = [
-        ("reference", r.reference_rad, angle),
-        ("tip ψ", r.psi_rad, angle),
-        ("hub θ", r.theta_rad, angle),
-        ("deflection α", r.alpha_rad, ends.deflection_rad),
-        ("error", r.error_rad, angle),
+    let (r, ends) = (picture.reading.unwrap_or_default(), picture.ends);
+    let rows = [
+        angle("reference", r.reference_rad, ends.angle_rad, Bar::Scale),
+        angle("tip ψ", r.psi_rad, ends.angle_rad, Bar::Scale),
+        angle("hub θ", r.theta_rad, ends.angle_rad, Bar::Scale),
+        angle("deflection α", r.alpha_rad, ends.deflection_rad, Bar::Limit),
+        angle("error", r.error_rad, ends.angle_rad, Bar::Scale),
+        voltage("controller u", r.u_v, ends.voltage_v),
+        voltage("voltage", r.voltage_v, ends.voltage_v),
     ];
-    let in_volts = [("controller u", r.u_v, volts), ("voltage", r.voltage_v, volts)];
-    let is_limit = |name: &str| !matches!(name, "reference" | "tip ψ" | "hub θ" | "error");
     let known = picture.reading.is_some();
-    let degrees =
-        in_degrees.into_iter().map(|(name, x, end)| (name, x / end, degrees(x), format!("{:.0}°", end.to_degrees())));
-    let volts = in_volts.into_iter().map(|(name, x, end)| (name, x / end, format!("{x:.3} V"), format!("{end:.0} V")));
-    degrees
-        .chain(volts)
-        .map(|(name, part, number, end)| {
-            let number = if known { number } else { "-".into() };
-            let bar = bar(part, 1.0, usize::from(width).saturating_sub(36));
-            let style =
-                if is_limit(name) && part.abs() >= NEAR_THE_END { Style::new().fg(Color::Red) } else { Style::new() };
-            Line::from(vec![
-                format!("{name:<13}{number:>11}  ").into(),
-                Span::styled(bar, style),
-                format!(" ±{end}").dim(),
-            ])
-        })
-        .collect()
+    rows.map(|row| if known { row } else { Row { number: "-".into(), ..row } }).map(|row| row.line(width)).into()
+}
+
+fn angle(name: &'static str, x_rad: f64, end_rad: f64, bar: Bar) -> Row {
+    let end = format!("{:.0}°", end_rad.to_degrees());
+    Row { name, number: degrees(x_rad), part: x_rad / end_rad, end, bar }
+}
+
+fn voltage(name: &'static str, x_v: f64, end_v: f64) -> Row {
+    Row { name, number: format!("{x_v:.3} V"), part: x_v / end_v, end: format!("{end_v:.0} V"), bar: Bar::Limit }
+}
+
+impl Row {
+    fn line(&self, width: u16) -> Line<'static> {
+        let Row { name, number, part, end, .. } = self;
+        let near = self.bar == Bar::Limit && part.abs() >= NEAR_THE_END;
+        let style = if near { Style::new().fg(Color::Red) } else { Style::new() };
+        let bar = Span::styled(bar(*part, usize::from(width).saturating_sub(36)), style);
+        Line::from(vec![format!("{name:<13}{number:>11}  ").into(), bar, format!(" ±{end}").dim()])
+    }
 }
 
 fn degrees(angle_rad: f64) -> String {
@@ -200,8 +217,11 @@ fn keys(phase: Phase, width: u16) -> Line<'static> {
     if phase == Phase::Armed {
         spans.push("  s START".bold());
     }
-    let change = if width < 80 { "  ↑↓ ←→ set" } else { "  ↑↓ select  ←→ set  shift fine" };
-    spans.extend([change.into(), "  l law  r shape".into()]);
+    spans.push(if width < 80 { "  ↑↓ ←→ set" } else { "  ↑↓ select  ←→ set  shift fine" }.into());
+    // Both can be selected, too; the start cannot.
+    if width >= 80 || phase != Phase::Armed {
+        spans.push("  l law  r shape".into());
+    }
     Line::from(spans)
 }
 
