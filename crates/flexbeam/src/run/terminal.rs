@@ -1,7 +1,7 @@
 //! The live view of a run on the terminal: numbers, bars, the last seconds, and keys.
 //!
 //! Enters: what the recorder has seen, keys. Leaves: pictures on standard error, wishes to the loop. It runs on the program's main
-//! thread and talks to the loop through [`Steering`] alone: a slow, hung-up or broken terminal costs the picture, not the run.
+//! thread and talks to the loop through [`Steering`] alone: a slow or broken terminal costs the picture, not the run.
 
 mod bar;
 mod guard;
@@ -63,7 +63,7 @@ fn say(text: &str) {
 
 fn on_screen(session: &Session, steering: &Steering, about: About) -> io::Result<()> {
     let mut view = View::new(steering, about);
-    // Declared first, so that it goes last: the picture is flushed before the screen is left.
+    // Before the terminal, so that it goes after it: the picture is flushed before the screen is left.
     let _guard = Guard::take()?;
     let mut terminal = Terminal::new(CrosstermBackend::new(BufWriter::new(io::stderr())))?;
     view.stop_if_asked_early()?;

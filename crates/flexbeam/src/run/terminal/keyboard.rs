@@ -68,7 +68,8 @@ impl Keyboard {
         let (mut keys, used) = parsed(&self.pending);
         self.pending.drain(..used);
         if self.since.is_some_and(|since| since.elapsed() >= ESCAPE_ALONE) {
-            keys.extend(self.pending.first().filter(|byte| **byte == ESCAPE).map(|_| Key::Escape));
+            // The beginning of an arrow that never came to its end asks for nothing.
+            keys.extend((self.pending == [ESCAPE]).then_some(Key::Escape));
             self.pending.clear();
         }
         Ok(keys)

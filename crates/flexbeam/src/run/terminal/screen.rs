@@ -59,7 +59,7 @@ fn short(picture: &Picture) -> Vec<Line<'static>> {
     if let Some(r) = &picture.reading {
         lines.push(format!("tip {} of {}", degrees(r.psi_rad), degrees(r.reference_rad)).into());
         lines.push(format!("hub {}  deflection {}", degrees(r.theta_rad), degrees(r.alpha_rad)).into());
-        lines.push(format!("{:.3} V", r.voltage_v).into());
+        lines.push(format!("{} V", fixed(r.voltage_v, 3)).into());
     }
     lines.extend(events(picture, 1));
     lines.push(format!("needs {} x {} for more", SMALLEST.0, SMALLEST.1).dim().into());
@@ -126,7 +126,13 @@ fn angle(name: &'static str, x_rad: f64, end_rad: f64, bar: Bar) -> Row {
 }
 
 fn voltage(name: &'static str, x_v: f64, end_v: f64) -> Row {
-    Row { name, number: format!("{x_v:.3} V"), part: x_v / end_v, end: format!("{end_v:.0} V"), bar: Bar::Limit }
+    Row {
+        name,
+        number: format!("{} V", fixed(x_v, 3)),
+        part: x_v / end_v,
+        end: format!("{end_v:.0} V"),
+        bar: Bar::Limit,
+    }
 }
 
 impl Row {
@@ -140,7 +146,14 @@ impl Row {
 }
 
 fn degrees(angle_rad: f64) -> String {
-    format!("{:.2}°", angle_rad.to_degrees())
+    format!("{}°", fixed(angle_rad.to_degrees(), 2))
+}
+
+/// So many decimals; a zero has no sign, which would flicker at rest.
+fn fixed(x: f64, decimals: usize) -> String {
+    let text = format!("{x:.decimals$}");
+    let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+    if is_zero { text.trim_start_matches('-').into() } else { text }
 }
 
 /// The last seconds of tip and reference.
@@ -357,6 +370,12 @@ mod tests {
         let rows = drawn(&none, 80, 24);
         assert!(rows[1].starts_with("reference              -  "), "{rows:#?}");
         assert!(rows[0].ends_with("ARMED") && rows[23].contains("s START"), "{rows:#?}");
+    }
+
+    #[test]
+    fn a_zero_has_no_sign() {
+        let found = [-0.0004, 0.0004, -0.0, -0.0006, -12.3456, f64::NAN].map(|x| fixed(x, 3));
+        assert_eq!(found, ["0.000", "0.000", "0.000", "-0.001", "-12.346", "NaN"]);
     }
 
     #[test]
