@@ -1,19 +1,22 @@
 //! What every command does that drives a rig on a clock: limits, signals, zeroes, signs, a list of voltages.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use flexbeam_files::RunFile;
 use flexbeam_kernel as kernel;
 use flexbeam_lti::{Mat, Signals};
 use flexbeam_rig::RigParameters;
 use flexbeam_runtime::back_end::BackEnd;
 use flexbeam_runtime::port::Port;
 use flexbeam_runtime::{
-    Cause, ControllerData, FrozenLimit, Live, NotHomed, Outcome, Phase, Reference, Sample, Setup, SignWatch, Sink,
-    Zero, drive, open_loop_setup, sign_check_voltages, signs_of, zero_of,
+    Cause, ControllerData, FrozenLimit, Live, NotHomed, Outcome, Phase, Recorded, Reference, Sample, Setup, SignWatch,
+    Sink, Zero, drive, open_loop_setup, sign_check_voltages, signs_of, zero_of,
 };
+use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGXFSZ};
 
-use crate::output::progress;
+use crate::output::{progress, say};
 use crate::{Failure, cli, port};
 
 /// Length of a look at the rig at rest [s].
@@ -66,11 +69,15 @@ fn check(link: &cli::RigLink) -> Result<(), NoLoop> {
     }
 }
 
-/// The flag that Ctrl-C, a hang-up or a termination sets: to 0 V and to the end, within a period.
+/// Ctrl-C, a termination, a hang-up, Ctrl-\, and Ctrl-Z: a program that is stopped leaves its last voltage standing.
+const ENDINGS: [i32; 5] = [SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP];
+
+/// The flag that a signal to end sets: to 0 V and to the end, within a period. A file that grows beyond its limit is an error of
+/// the recording rather than the death of the program.
 pub fn asked_by_signal() -> Result<Arc<AtomicBool>, Failure> {
     let asked = Arc::<AtomicBool>::default();
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
-        signal_hook::flag::register(signal, asked.clone())
+    for (signal, flag) in ENDINGS.map(|signal| (signal, asked.clone())).into_iter().chain([(SIGXFSZ, Arc::default())]) {
+        signal_hook::flag::register(signal, flag)
             .map_err(NoLoop::Signals)
             .map_err(Failure::while_trying("listen to signals"))?;
     }
@@ -140,12 +147,35 @@ pub fn signals_of(samples: &[Sample], period_s: f64) -> Result<Signals, Failure>
 pub fn within_reach(back_end: &dyn BackEnd, setup: &mut Setup) {
     let (limit_v, reach_v) = (&mut setup.live.settings.voltage_limit_v, back_end.reach_v());
     if reach_v < *limit_v {
-        eprintln!(
+        say(format_args!(
             "warning: {} reaches {reach_v} V either way, so the voltage limit is that and not {limit_v} V",
             back_end.name()
-        );
+        ));
         *limit_v = reach_v;
     }
+}
+
+/// The run went well, its recording did not.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "found that the recording breaks off ({reason}), needed all of it: {missing} samples are not in it\nhint: what was written until then stands in {part}, which `flexbeam show` and `identify` read"
+)]
+struct BreaksOff {
+    reason: String,
+    missing: u64,
+    part: String,
+}
+
+/// Whether all that was to be recorded was.
+///
+/// Errors: what the recorder had to say, and where the rest stands.
+pub fn whole(recorded: &Recorded, out: &Path, missing: u64) -> Result<(), Failure> {
+    let Some(error) = recorded.failures.first() else { return Ok(()) };
+    Err(Failure::while_trying(format!("record {}", out.display()))(BreaksOff {
+        reason: error.reason.lines().next().unwrap_or_default().into(),
+        missing,
+        part: RunFile::part_path(out).display().to_string(),
+    }))
 }
 
 /// Finds the zeroes and checks the signs; the zeroes go into the settings.
@@ -155,12 +185,12 @@ pub fn home(back_end: Box<dyn BackEnd>, setup: &mut Setup, highest_v: f64) -> Re
     let (back_end, zero) = at_rest(back_end, setup)?;
     let settings = &mut setup.live.settings;
     (settings.theta.offset_rad, settings.alpha.offset_rad) = (zero.theta_rad, zero.alpha_rad);
-    eprintln!(
+    say(format_args!(
         "homed: zero of the hub {:+.2}°, of the gauge {:+.3}° (noise {:.3}° rms)",
         zero.theta_rad.to_degrees(),
         zero.alpha_rad.to_degrees(),
         zero.alpha_noise_rad.to_degrees()
-    );
+    ));
     if highest_v > 0.0 { signs(back_end, setup, zero, highest_v) } else { Ok(back_end) }
 }
 
@@ -178,7 +208,7 @@ fn at_rest(mut back_end: Box<dyn BackEnd>, setup: &Setup) -> Result<(Box<dyn Bac
             Ok(zero) => return Ok((back_end, zero)),
             Err(NotHomed::NotAtRest { .. }) if left > 0 => {
                 if left + 1 == LOOKS {
-                    eprintln!("the rig still moves; waiting for it");
+                    say("the rig still moves; waiting for it");
                 }
             }
             Err(error) => return Err(Failure::while_trying("home the rig")(error)),
@@ -195,13 +225,13 @@ fn signs(back_end: Box<dyn BackEnd>, setup: &Setup, zero: Zero, highest_v: f64) 
     let turned = agree.theta_rad.to_degrees();
     match agree.alpha_rad {
         Some(alpha) => {
-            eprintln!(
+            say(format_args!(
                 "signs agree: at {:+.2} V the hub turned {turned:+.2}°, the tip lagged {:+.2}°",
                 agree.voltage_v,
                 alpha.to_degrees()
-            );
+            ));
         }
-        None => eprintln!("the hub turns with the voltage; the gauge's sign is not proven, its swing drowned in noise"),
+        None => say("the hub turns with the voltage; the gauge's sign is not proven, its swing drowned in noise"),
     }
     Ok(back_end)
 }

@@ -1,5 +1,6 @@
 //! Answers and files on their way out: data to standard output, talk to standard error.
 
+use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
 
@@ -55,6 +56,12 @@ pub fn write_figure(folder: &Path, name: &str, figure: &Figure) -> Result<[Strin
 
 /// Sharp on today's screens and in print.
 const PIXELS_PER_POINT: f64 = 2.0;
+
+/// A line on standard error. Where that is gone (a terminal that hung up, a pipe that closed), nothing: what a rig is doing must
+/// not end with its audience.
+pub fn say(line: impl std::fmt::Display) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
 
 /// A folder for results, made when it is not there.
 pub fn folder(path: &Path) -> Result<(), Failure> {

@@ -3,6 +3,7 @@
 mod certified;
 mod lines;
 mod reference;
+mod terminal;
 
 use std::path::Path;
 
@@ -11,13 +12,13 @@ use flexbeam_report::{Cell, Table, engineering};
 use flexbeam_rig::RigParameters;
 use flexbeam_runtime::port::Port;
 use flexbeam_runtime::{
-    Cause, ControlSocket, ControllerData, EventKind, Latest, Live, Outcome, RunContext, RunSink, Session, Setup, Sink,
-    Steering, run_result,
+    BoundSocket, Cause, ControllerData, EventKind, Latest, Live, NoSocket, Outcome, RunContext, RunSink, Session,
+    Setup, Sink, Steering, run_result,
 };
 
 use crate::controller_file::kernel_settings;
-use crate::on_rig::{home, setup_on, within_reach};
-use crate::output::provenance;
+use crate::on_rig::{home, setup_on, whole, within_reach};
+use crate::output::{provenance, say};
 use crate::port::{self, now_unix_ns};
 use crate::response::rig_at;
 use crate::{Failure, cli};
@@ -38,23 +39,14 @@ enum NoRun {
 #[error("the rig was stopped, 0 V: {0}")]
 struct Stopped(String);
 
-/// The run went well, its recording did not.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "found that the recording breaks off ({reason}), needed all of it: {missing} samples are not in it\nhint: what was written until then stands in {part}, which `flexbeam show` and `identify` read"
-)]
-struct BreaksOff {
-    reason: String,
-    missing: u64,
-    part: String,
-}
-
 /// Runs the command.
 pub fn run(arguments: &cli::Run) -> Result<(), Failure> {
     let plan = Plan::of(arguments)?;
     let overwrite = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
     let header = plan.header(arguments)?;
     RunFile::check_free(&arguments.out, overwrite)?;
+
+    let socket = arguments.control.as_deref().map(BoundSocket::bind).transpose().map_err(said_itself)?;
 
     let back_end = port::open(&plan.port, &plan.rig, arguments.seed)?;
     let mut setup = plan.setup.clone();
@@ -75,14 +67,23 @@ pub fn run(arguments: &cli::Run) -> Result<(), Failure> {
     })?;
     plan.overrides.iter().for_each(|text| session.note(EventKind::Override, text));
     let steering = Steering { controls: session.controls.clone(), live: session.live.clone(), latest, period_s };
-    let _socket = arguments.control.as_deref().map(|path| open_socket(path, &steering)).transpose()?;
-    lines::watch(&session, &steering);
+    let _socket = socket.map(|socket| socket.serve(steering.clone())).transpose().map_err(said_itself)?;
+    watch(arguments, &plan, &session, &steering);
     answer(arguments, session.finish(), &context)
 }
 
-fn open_socket(path: &Path, steering: &Steering) -> Result<ControlSocket, Failure> {
-    ControlSocket::open(path, steering.clone())
-        .map_err(|refused| Failure::Input { tried: String::new(), error: Box::new(refused) })
+/// Until the run is over: on the terminal where there is one, then in lines whatever was not told yet.
+fn watch(arguments: &cli::Run, plan: &Plan, session: &Session, steering: &Steering) {
+    if !arguments.plain && !arguments.json && terminal::is_there() {
+        let controller = arguments.controller.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        terminal::watch(session, steering, terminal::About { controller, port: plan.port.to_string() });
+    }
+    lines::watch(session, steering);
+}
+
+/// The socket's own error says what was tried.
+fn said_itself(refused: NoSocket) -> Failure {
+    Failure::Input { tried: String::new(), error: Box::new(refused) }
 }
 
 /// What is to be run, checked as far as it can be before a rig is touched.
@@ -152,19 +153,12 @@ fn answer(arguments: &cli::Run, outcome: Outcome, context: &RunContext) -> Resul
         println!("{}", json_text(&result));
     } else {
         print!("{}", run_text(&result));
-        eprintln!("wrote {}", kept.display());
+        say(format_args!("wrote {}", kept.display()));
     }
     if let Cause::Fault(_) = outcome.report.cause {
         return Err(Failure::Fault(Box::new(Stopped(result.text))));
     }
-    match failed {
-        None => Ok(()),
-        Some(error) => Err(Failure::while_trying(format!("record {}", arguments.out.display()))(BreaksOff {
-            reason: error.reason.lines().next().unwrap_or_default().into(),
-            missing: result.unrecorded,
-            part: kept.display().to_string(),
-        })),
-    }
+    whole(&outcome.recorded, &arguments.out, result.unrecorded)
 }
 
 /// How the run went, for a person.

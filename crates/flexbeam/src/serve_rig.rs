@@ -14,12 +14,23 @@ use flexbeam_runtime::wire::Wire;
 use flexbeam_runtime::{LOOP_PRIORITY, Standing};
 
 use crate::on_rig::asked_by_signal;
+use crate::output::say;
 use crate::port::{port, unlike_any_other};
 use crate::rig_file::rig_parameters;
 use crate::{Failure, cli};
 
 /// Below a loop on the same machine, so that the loop's clock comes first.
 const RIG_PRIORITY: i32 = LOOP_PRIORITY - 10;
+
+/// Thirty years, which a duration of the system holds.
+const LONGEST_S: f64 = 1e9;
+
+/// A duration that is none.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "found --duration {0} s, needed a positive number, 10^9 at most\nhint: without --duration it serves until it is stopped"
+)]
+struct NoDuration(f64);
 
 /// A place at which no rig can listen.
 #[derive(Debug, thiserror::Error)]
@@ -33,8 +44,10 @@ pub fn run(arguments: &cli::ServeRig) -> Result<(), Failure> {
     let parameters = rig_parameters(arguments.rig.as_deref())?;
     let rig = SimulatedRig::new(&parameters, arguments.seed).map_err(Failure::while_trying("simulate the rig"))?;
     let stop = asked_by_signal()?;
-    if let Some(duration_s) = arguments.duration.filter(|s| *s > 0.0) {
-        stop_after(duration_s, stop.clone());
+    match arguments.duration {
+        Some(duration_s) if duration_s > 0.0 && duration_s <= LONGEST_S => stop_after(duration_s, stop.clone()),
+        Some(duration_s) => return Err(Failure::while_trying("serve the rig")(NoDuration(duration_s))),
+        None => {}
     }
     let report = if arguments.listen == "pty" {
         let (wire, device) = SerialWire::pseudo_terminal().map_err(Failure::while_trying("serve the rig"))?;
@@ -59,7 +72,7 @@ pub fn run(arguments: &cli::ServeRig) -> Result<(), Failure> {
 
 fn stop_after(duration_s: f64, stop: Arc<AtomicBool>) {
     std::thread::spawn(move || {
-        std::thread::sleep(Duration::from_secs_f64(duration_s.min(1e9)));
+        std::thread::sleep(Duration::from_secs_f64(duration_s));
         stop.store(true, Ordering::Release);
     });
 }
@@ -75,7 +88,7 @@ fn served(
     let options = ServeOptions { on_session, boots: unlike_any_other() as u32 };
     // A rig that answers late looks like one that lost a frame. What is refused costs only that.
     Standing::claim(RIG_PRIORITY, None);
-    eprintln!("the rig listens at {place}; Ctrl-C ends it");
+    say(format_args!("the rig listens at {place}; Ctrl-C ends it"));
     serve(rig, &mut wire, options, stop).map_err(|error| Failure::Fault(Box::new(error)))
 }
 

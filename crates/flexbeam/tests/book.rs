@@ -6,7 +6,8 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_flexbeam");
 
@@ -198,8 +199,20 @@ fn every_page_stands_in_the_summary() {
 }
 
 /// Commands that have a section of their own, as words.
-const COMMANDS: [&str; 9] =
-    ["reproduce", "record", "identify", "design", "verify", "simulate", "rig test", "export", "show"];
+const COMMANDS: [&str; 12] = [
+    "reproduce",
+    "record",
+    "identify",
+    "design",
+    "verify",
+    "simulate",
+    "run",
+    "tell",
+    "rig",
+    "rig test",
+    "export",
+    "show",
+];
 
 /// The part of the page under `## flexbeam COMMAND`.
 fn section(page: &Page, command: &str) -> String {
@@ -245,7 +258,7 @@ fn documented_keys(section: &str) -> BTreeSet<String> {
 }
 
 /// Command lines that together give every key of every answer.
-const ANSWERS: [(&str, &str); 10] = [
+const ANSWERS: [(&str, &str); 12] = [
     ("reproduce", "reproduce --out reproduce"),
     ("record", "record --linear --duration 2 --out recording.csv"),
     ("identify", "identify recording.csv --out model.toml"),
@@ -255,6 +268,8 @@ const ANSWERS: [(&str, &str); 10] = [
     ("simulate", "simulate controller.toml --duration 1"),
     ("verify", "verify controller.toml --runs 4"),
     ("export", "export recording.csv --as mat --out recording.mat"),
+    ("run", "run controller.toml --duration 0.5 --hold 5"),
+    ("rig", "rig --listen pty --duration 0.3"),
     ("show", "show controller.toml"),
 ];
 
@@ -274,9 +289,32 @@ fn the_command_line_chapter_has_the_program_s_json_keys() {
             _ => found.push((command, keys.collect())),
         }
     }
+    found.push(("tell", keys_of_tell(folder.path())));
     for (command, keys) in found {
         assert_eq!(documented_keys(&section(&page, command)), keys, "left: the book; right: {command} --json");
     }
+}
+
+/// Keys of all replies of a run: it is asked how it stands, told something senseless, and stopped.
+fn keys_of_tell(folder: &Path) -> BTreeSet<String> {
+    let line = "run controller.toml --wait --hold 20 --control socket --out told.mcap --json";
+    let mut program = Command::new(PROGRAM);
+    let mut run = program.args(line.split(' ')).current_dir(folder).stdout(Stdio::null()).spawn().expect("it starts");
+    let mut keys = BTreeSet::new();
+    let mut told = |words: &[&str]| {
+        let output = flexbeam(&[&["tell", "socket"], words, &["--json"]].concat(), folder);
+        let reply: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
+        keys.extend(reply.as_object().into_iter().flat_map(|reply| reply.keys().cloned()));
+        reply
+    };
+    let late = Instant::now() + Duration::from_secs(60);
+    while told(&["status"])["last"].is_null() && Instant::now() < late {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    told(&["set", "eps_u_v=-1"]);
+    told(&["stop"]);
+    assert!(run.wait().expect("it can be waited for").success(), "{line}");
+    keys
 }
 
 /// Every Rust source of the crates, tests left out, as one text per file; escapes of string literals undone.

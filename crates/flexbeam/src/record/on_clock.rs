@@ -7,7 +7,7 @@ use flexbeam_runtime::port::Port;
 use flexbeam_runtime::{Cause, Outcome, RunContext, RunSink, Sample, Sink, run_result};
 
 use super::excitation;
-use crate::on_rig::{RigAt, drive_rig, signals_of};
+use crate::on_rig::{RigAt, drive_rig, signals_of, whole};
 use crate::output::provenance;
 use crate::port::now_unix_ns;
 use crate::{Failure, cli};
@@ -75,7 +75,8 @@ impl Recording<'_> {
             );
             println!("next: flexbeam identify {} --block-rows 50", out.display());
         }
-        ended_well(&outcome)
+        ended_well(&outcome)?;
+        whole(&outcome.recorded, out, result.unrecorded)
     }
 
     fn header(&self) -> Result<RunHeader, Failure> {

@@ -3,6 +3,7 @@
 use flexbeam_files::Controller;
 
 use crate::Failure;
+use crate::output::say;
 use crate::verify::broken_figures;
 
 /// The figures that broke.
@@ -24,7 +25,7 @@ pub fn check(file: &Controller, tried: &str, unverified: Option<&str>) -> Result
         (false, None) => Err(Failure::while_trying(tried)(NotCertified(broken))),
         (false, Some(reason)) => {
             let text = format!("the certificate does not match ({}); run all the same: {reason}", broken.join("; "));
-            eprintln!("warning: {text}");
+            say(format_args!("warning: {text}"));
             Ok(Some(text))
         }
     }

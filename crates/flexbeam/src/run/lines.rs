@@ -1,5 +1,6 @@
 //! A run told in lines on standard error: its events as they happen.
 
+use std::io::{self, Write};
 use std::time::Duration;
 
 use flexbeam_runtime::{Session, Steering};
@@ -14,7 +15,9 @@ pub fn watch(session: &Session, steering: &Steering) {
         let over = session.is_over();
         for event in steering.latest.events_after(told) {
             told += 1;
-            eprintln!("{:9.3} s  {}: {}", event.instant as f64 * steering.period_s, event.kind.name(), event.text);
+            let time_s = event.instant as f64 * steering.period_s;
+            // A terminal that hung up must not keep the run from its end: the recording has the events, too.
+            let _ = writeln!(io::stderr(), "{time_s:9.3} s  {}: {}", event.kind.name(), event.text);
         }
         if over {
             return;
