@@ -233,6 +233,11 @@ fn silence_on_the_serial_line_ends_at_zero_volts() {
     assert_ends_in_fault(&run_of(&bench, "run.mcap"), "");
 }
 
+/// An encoder that is alive.
+fn flicker(k: u32) -> f64 {
+    1e-6 * f64::from(k % 7)
+}
+
 #[test]
 fn rigs_that_answer_nonsense_are_refused_or_stopped() {
     let bench = bench();
@@ -240,7 +245,7 @@ fn rigs_that_answer_nonsense_are_refused_or_stopped() {
         bench
             .run(&format!("run controller.toml --port {} --sign-check 0 --duration 20 --hold {hold} --force", rig.port))
     };
-    let nan = run(&Answering::start(|k| (if k == 900 { f64::NAN } else { 0.0 }, 1e-6 * f64::from(k % 7), 1)), "60");
+    let nan = run(&Answering::start(|k| (if k == 900 { f64::NAN } else { flicker(k) }, 0.0, 1)), "60");
     assert_eq!(nan.status, 3, "{}", nan.err);
     assert_ends_in_fault(&run_of(&bench, "run.mcap"), "not finite");
     let frozen = run(&Answering::start(|_| (0.0, 0.0, 1)), "60");
@@ -249,7 +254,7 @@ fn rigs_that_answer_nonsense_are_refused_or_stopped() {
     let other = run(&Answering::start(|_| (0.0, 0.0, 2)), "60");
     assert_eq!(other.status, 2);
     assert!(other.err.contains("version 2") && other.err.contains("hint: "), "{}", other.err);
-    let changed = run(&Answering::start(|k| (0.0, 1e-6 * f64::from(k % 7), if k > 900 { 2 } else { 1 })), "60");
+    let changed = run(&Answering::start(|k| (flicker(k), 0.0, if k > 900 { 2 } else { 1 })), "60");
     assert_eq!(changed.status, 3, "{}", changed.err);
     assert_ends_in_fault(&run_of(&bench, "run.mcap"), "version 2");
 }
