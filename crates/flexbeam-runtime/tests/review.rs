@@ -13,7 +13,7 @@ use scripted::{DRY_SLEEPS, Ear, Scripted, Virtual, alive, armed, open_loop};
 use std::io::{BufRead, BufReader, Write};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 /// Long enough for a stall of this machine, short enough for a test.
@@ -27,10 +27,7 @@ fn fresh(theta_rad: f64, alpha_rad: f64) -> Answer {
 fn in_time<T: Send + 'static>(what: impl FnOnce() -> T + Send + 'static) -> Option<T> {
     let (done, wanted) = mpsc::channel();
     std::thread::spawn(move || done.send(what()));
-    match wanted.recv_timeout(PATIENCE) {
-        Ok(found) => Some(found),
-        Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => None,
-    }
+    wanted.recv_timeout(PATIENCE).ok()
 }
 
 /// A back end that does as its parts say; everything else as a good one.
