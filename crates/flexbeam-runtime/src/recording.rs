@@ -58,15 +58,11 @@ impl Sink for RunSink {
     }
 
     fn settings(&mut self, instant: u64, live: &Live) -> Result<(), SinkError> {
-        let reference = run_reference(&live.reference);
-        let settings = table_of(&live.settings);
-        self.write(|file| file.settings(&LiveSettings { revision: live.revision, tick: instant, settings, reference }))
+        self.write(|file| file.settings(&run_settings(instant, live)))
     }
 
     fn event(&mut self, event: &RunEvent) -> Result<(), SinkError> {
-        let RunEvent { instant, kind, text } = event;
-        let time_s = *instant as f64 * self.context.period_s;
-        let event = files::RunEvent { tick: *instant, time_s, kind: kind.name().into(), text: text.clone() };
+        let event = run_event(event, self.context.period_s);
         self.write(|file| file.event(&event))
     }
 
@@ -130,7 +126,8 @@ fn quantiles(times: &Times) -> TimeQuantiles {
     }
 }
 
-fn run_sample(sample: &Sample) -> RunSample {
+/// Real-time: no. The sample as a recording has it.
+pub(crate) fn run_sample(sample: &Sample) -> RunSample {
     let short = |ns: u64| u32::try_from(ns).unwrap_or(u32::MAX);
     let phase = match sample.phase {
         Phase::Configured | Phase::Armed => RunPhase::Armed,
@@ -157,6 +154,18 @@ fn run_sample(sample: &Sample) -> RunSample {
         fault: sample.fault.map_or(0, RunFault::code),
         stale: u8::from(sample.stale),
     }
+}
+
+/// Real-time: no. The settings that are in force from an instant on, as a recording has them.
+pub(crate) fn run_settings(instant: u64, live: &Live) -> LiveSettings {
+    let (settings, reference) = (table_of(&live.settings), run_reference(&live.reference));
+    LiveSettings { revision: live.revision, tick: instant, settings, reference }
+}
+
+/// Real-time: no. The event as a recording has it.
+pub(crate) fn run_event(event: &RunEvent, period_s: f64) -> files::RunEvent {
+    let RunEvent { instant, kind, text } = event;
+    files::RunEvent { tick: *instant, time_s: *instant as f64 * period_s, kind: kind.name().into(), text: text.clone() }
 }
 
 fn run_reference(reference: &Reference) -> RunReference {

@@ -169,8 +169,14 @@ mod tests {
         let reference = RunReference { shape: RunShape::Sawtooth, amplitude_rad: 0.5, period_s: 2.0, offset_rad: 0.1 };
         let live = LiveSettings { revision: 3, tick: 7, settings, reference };
         let event = RunEvent { tick: 1, time_s: 0.001, kind: "lost".into(), text: "an answer".into() };
-        assert_same_keys(&serde_json::to_value(&live).unwrap(), &serde_json::from_str(RunTopic::SETTINGS.schema).unwrap());
-        assert_same_keys(&serde_json::to_value(&event).unwrap(), &serde_json::from_str(RunTopic::EVENTS.schema).unwrap());
+        assert_same_keys(
+            &serde_json::to_value(&live).unwrap(),
+            &serde_json::from_str(RunTopic::SETTINGS.schema).unwrap(),
+        );
+        assert_same_keys(
+            &serde_json::to_value(&event).unwrap(),
+            &serde_json::from_str(RunTopic::EVENTS.schema).unwrap(),
+        );
         assert_same_keys(&Value::Object(Default::default()), &serde_json::from_str(RunTopic::REPORT.schema).unwrap());
         assert_eq!(live.texts().len(), 15 + 2 * 3, "fifteen numbers and words, two channels of three");
         let keys = live.by_key();

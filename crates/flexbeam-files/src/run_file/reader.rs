@@ -186,10 +186,16 @@ impl Content {
         let topic = self.topics.get(&channel).ok_or("a message of an unknown channel")?;
         let wrong = |error: serde_json::Error| format!("a message on {topic}: {error}");
         match topic.as_str() {
-            topic if topic == RunTopic::SIGNALS.topic => self.samples.push(RunSample::from_cdr(data).ok_or("no sample")?),
-            topic if topic == RunTopic::SETTINGS.topic => self.settings.push(serde_json::from_slice(data).map_err(wrong)?),
+            topic if topic == RunTopic::SIGNALS.topic => {
+                self.samples.push(RunSample::from_cdr(data).ok_or("no sample")?)
+            }
+            topic if topic == RunTopic::SETTINGS.topic => {
+                self.settings.push(serde_json::from_slice(data).map_err(wrong)?)
+            }
             topic if topic == RunTopic::EVENTS.topic => self.events.push(serde_json::from_slice(data).map_err(wrong)?),
-            topic if topic == RunTopic::REPORT.topic => self.report = Some(serde_json::from_slice(data).map_err(wrong)?),
+            topic if topic == RunTopic::REPORT.topic => {
+                self.report = Some(serde_json::from_slice(data).map_err(wrong)?)
+            }
             _ => {}
         }
         Ok(())
