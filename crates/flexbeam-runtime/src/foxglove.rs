@@ -121,6 +121,11 @@ impl Viewers {
         &self.address
     }
 
+    /// Real-time: no. What they may.
+    pub fn may(&self) -> ViewersMay {
+        self.options.may
+    }
+
     /// Real-time: no. What brings them a run, with the recording's times.
     pub fn sink(&self, header: &RunHeader) -> ViewerSink {
         let decimation = Decimation::new(header.period_s, self.options.most_per_s);

@@ -1,7 +1,7 @@
 //! Changes that a viewer asks for in vain.
 
 /// Longest text that goes to terminals and recordings [characters]: what a viewer wrote may stand in it.
-const LONGEST: usize = 400;
+const LONGEST: usize = 800;
 
 /// Why nothing was changed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
