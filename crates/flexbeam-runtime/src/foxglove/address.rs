@@ -46,7 +46,7 @@ impl FromStr for ViewerAddress {
     fn from_str(text: &str) -> Result<ViewerAddress, NoViewers> {
         let (host, port) = text.rsplit_once(':').unwrap_or((LOOPBACK, text));
         let bracketed = host.starts_with('[') && host.ends_with(']') && host.len() > 2;
-        let is_host = bracketed || (!host.is_empty() && !host.contains(':'));
+        let is_host = bracketed || (!host.is_empty() && !host.contains([':', '[', ']']));
         match port.parse() {
             Ok(port) if is_host => Ok(ViewerAddress { host: host.into(), port }),
             _ => Err(NoViewers::Address(text.into())),
