@@ -32,6 +32,7 @@ fn before_tests() -> Vec<Step> {
     vec![
         Step::cargo("format", "fmt --all --check"),
         Step::cargo("clippy", "clippy --workspace --all-targets -- -D warnings"),
+        Step::cargo("clippy of the viewers", &format!("clippy {VIEWERS} --all-targets -- -D warnings")),
         Step::cargo("documentation", "doc --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings"),
     ]
 }
@@ -49,12 +50,14 @@ fn tests(data: Option<&Path>, python: &Path) -> Vec<Step> {
         Some(data) => step.env(DATA, data.to_string_lossy()),
         None => step,
     };
+    let viewers = Step::cargo("tests of the viewers", &format!("test --release {VIEWERS} {VIEWER_TESTS}"));
+    let viewers = viewers.env("CARGO_INCREMENTAL", "0");
     let dev = dev.env("CARGO_INCREMENTAL", "0");
     let release = with_data(release.env("CARGO_INCREMENTAL", "0"));
     if cfg!(all(target_arch = "x86_64", target_os = "linux")) {
-        [dev].into_iter().chain(sanitized).chain([release]).collect()
+        [dev].into_iter().chain(sanitized).chain([viewers, release]).collect()
     } else {
-        vec![dev, release]
+        vec![dev, viewers, release]
     }
 }
 
@@ -67,6 +70,12 @@ const SANITIZED: [(&str, &str); 2] = [
 
 /// A target of its own keeps build scripts plain.
 const APART: &str = "--target x86_64-unknown-linux-gnu --target-dir target/sanitized";
+
+/// What a plain build leaves out: live topics and parameters over a WebSocket.
+const VIEWERS: &str = "-p flexbeam-runtime -p flexbeam --features foxglove";
+
+/// What the feature adds; all else runs without it.
+const VIEWER_TESTS: &str = "--lib --test foxglove --test foxglove_stalled";
 
 /// The folder that the variable names, or `../shared/data` beside the repository if there is one.
 fn recordings(variable: Option<&OsStr>, root: &Path) -> Option<PathBuf> {

@@ -61,7 +61,7 @@ pub use results::{
 pub use rig::{Rig, RigActuator, RigEncoder, RigFriction, RigGauge, RigLink, RigLumped, RigPhysical, Sees};
 pub use run_file::{
     CutOff, LiveSettings, RUN_SCHEMA, RunColumns, RunEvent, RunFault, RunFile, RunHeader, RunPhase, RunRecording,
-    RunReference, RunSample, RunShape, RunSummary, RunWriter, Stretch,
+    RunReference, RunSample, RunShape, RunSummary, RunTopic, RunWriter, SettingValue, Stretch,
 };
 pub use run_result::{LinkCounts, RunResult, ServeResult, TimeQuantiles};
 pub use settings::{Channel, Law, Settings};

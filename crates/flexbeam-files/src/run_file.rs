@@ -22,16 +22,18 @@ mod records;
 mod sample;
 mod stretch;
 mod summary;
+mod topics;
 mod writer;
 
 pub use fault::RunFault;
 pub use file::RunFile;
 pub use header::{RUN_SCHEMA, RunHeader};
-pub use messages::{LiveSettings, RunEvent, RunReference, RunShape};
+pub use messages::{LiveSettings, RunEvent, RunReference, RunShape, SettingValue};
 pub use reader::{CutOff, RunRecording};
 pub use sample::{RunColumns, RunPhase, RunSample};
 pub use stretch::Stretch;
 pub use summary::RunSummary;
+pub use topics::RunTopic;
 pub use writer::RunWriter;
 
 pub(crate) use header::RunOrigin;

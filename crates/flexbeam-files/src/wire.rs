@@ -3,7 +3,7 @@
 use crate::run_file::RunShape;
 use crate::settings::Settings;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// What is asked of a run.
 ///
@@ -14,6 +14,7 @@ use serde_json::json;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
+#[allow(clippy::large_enum_variant, reason = "there is one at a time")]
 pub enum Request {
     /// How it stands.
     Status,
@@ -121,10 +122,18 @@ pub fn request_of_changes<S: AsRef<str>>(changes: &[S]) -> Result<Request, Strin
         let (key, value) = change.split_once('=').ok_or_else(|| format!("{change:?} without ="))?;
         let path: Vec<&str> = key.trim().split('.').collect();
         let path = if path[0] == "reference" { path } else { [&["settings"], path.as_slice()].concat() };
-        let place = path.iter().fold(&mut request, |value, step| &mut value[*step]);
+        let place = place(&mut request, &path).ok_or_else(|| format!("{key:?} below a value"))?;
         *place = serde_json::from_str(value.trim()).unwrap_or_else(|_| value.trim().into());
     }
     serde_json::from_value(request).map_err(|error| error.to_string())
+}
+
+/// Where a path leads, made on the way; nothing where a value stands in it.
+fn place<'a>(request: &'a mut Value, path: &[&str]) -> Option<&'a mut Value> {
+    path.iter().try_fold(request, |value, step| match value {
+        Value::Object(_) | Value::Null => Some(&mut value[*step]),
+        _ => None,
+    })
 }
 
 #[cfg(test)]
@@ -144,6 +153,8 @@ mod tests {
             let error = request_of_changes(&[change]).unwrap_err();
             assert!(error.contains(named), "{error}");
         }
+        let twice = request_of_changes(&["eps_u_v=1", "eps_u_v.deeper=2"]);
+        assert_eq!(twice, Err("\"eps_u_v.deeper\" below a value".into()));
     }
 
     #[test]

@@ -23,7 +23,7 @@ impl Default for Channel {
 
 impl Channel {
     /// Real-time: yes. scale (measured - offset).
-    pub(crate) fn scaled(&self, measured: f64) -> f64 {
+    pub fn scaled(&self, measured: f64) -> f64 {
         self.scale * (measured - self.offset_rad)
     }
 

@@ -6,6 +6,8 @@
 pub mod back_end;
 pub mod board;
 pub mod comedi;
+#[cfg(feature = "foxglove")]
+pub mod foxglove;
 pub mod framed;
 pub mod hil;
 pub mod line;
@@ -58,7 +60,7 @@ pub use recorder::Recorded;
 pub use recording::{RunContext, RunSink, run_result, shape_of_file, shape_of_run};
 pub use reference::{Reference, Shape};
 pub use sample::Sample;
-pub use session::{ControllerData, NotArmed, Outcome, Session, Setup};
+pub use session::{ControllerData, NotArmed, Notes, Outcome, Session, Setup};
 pub use simulated::SimulatedBackEnd;
 pub use sink::{EventKind, RunEvent, RunReport, Sink, SinkError};
 pub use standing::{LOOP_PRIORITY, Standing, WATCHDOG_PRIORITY, Warning};

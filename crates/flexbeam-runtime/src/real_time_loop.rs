@@ -13,7 +13,7 @@ use crate::live::LiveReader;
 use crate::meter::{Meter, PageFaults};
 use crate::reference::Generator;
 use crate::sample::Sample;
-use flexbeam_kernel::{Channel, Commanded, Controller, Fault, Measured, Settings, State, tick};
+use flexbeam_kernel::{Commanded, Controller, Fault, Measured, Settings, State, tick};
 use flexbeam_rig::Measurement;
 
 /// Punctual ticks in a row that make up for one missed period.
@@ -263,8 +263,7 @@ impl<'a, C: Clock> RealTimeLoop<'a, C> {
     /// Armed: nothing is asked of the rig, so reference and model stand where the tip is.
     fn rest(&mut self, measured: Measurement) {
         let Settings { theta, alpha, .. } = self.live.in_force().settings;
-        let angle = |channel: Channel, reading: f64| channel.scale * (reading - channel.offset_rad);
-        let y = angle(theta, measured.theta_rad) + angle(alpha, measured.alpha_rad);
+        let y = theta.scaled(measured.theta_rad) + alpha.scaled(measured.alpha_rad);
         self.sample.reference_rad = y;
         self.sample.commanded = Commanded { reference_rad: y, y_rad: y, y_model_rad: y, ..Commanded::default() };
     }

@@ -17,6 +17,7 @@ const PAUSE: Duration = Duration::from_millis(5);
 const FLUSH: Duration = Duration::from_millis(500);
 
 /// What other threads tell the recorder.
+#[derive(Debug)]
 pub(crate) enum Message {
     /// Happened now.
     Event(EventKind, String),

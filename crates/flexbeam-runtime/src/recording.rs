@@ -26,6 +26,19 @@ pub struct RunContext {
     pub period_s: f64,
 }
 
+/// Scales and zeroes of the sensors, which stay as they are for the whole run.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Calibration {
+    theta: Channel,
+    alpha: Channel,
+}
+
+impl Calibration {
+    pub(crate) fn of(live: &Live) -> Calibration {
+        Calibration { theta: live.settings.theta, alpha: live.settings.alpha }
+    }
+}
+
 /// Writes a run's recording.
 pub struct RunSink {
     /// Gone after it was finished.
@@ -34,20 +47,13 @@ pub struct RunSink {
     context: RunContext,
     /// Samples that a power loss would take.
     at_risk: u64,
-    /// Scales and zeroes of the sensors, which stay as they are for the whole run.
-    calibration: [Channel; 2],
+    calibration: Calibration,
 }
 
 impl RunSink {
     /// Real-time: no. Over a file that has just been begun; `path` is for messages.
     pub fn new(file: RunFile, path: &Path, context: RunContext) -> RunSink {
-        RunSink {
-            file: Some(file),
-            path: path.to_path_buf(),
-            context,
-            at_risk: 0,
-            calibration: [Channel::default(); 2],
-        }
+        RunSink { file: Some(file), path: path.to_path_buf(), context, at_risk: 0, calibration: Calibration::default() }
     }
 
     fn write(&mut self, what: impl FnOnce(&mut RunFile) -> Result<(), files::Error>) -> Result<(), SinkError> {
@@ -68,16 +74,12 @@ impl Sink for RunSink {
     }
 
     fn settings(&mut self, instant: u64, live: &Live) -> Result<(), SinkError> {
-        self.calibration = [live.settings.theta, live.settings.alpha];
-        let reference = run_reference(&live.reference);
-        let settings = table_of(&live.settings);
-        self.write(|file| file.settings(&LiveSettings { revision: live.revision, tick: instant, settings, reference }))
+        self.calibration = Calibration::of(live);
+        self.write(|file| file.settings(&run_settings(instant, live)))
     }
 
     fn event(&mut self, event: &RunEvent) -> Result<(), SinkError> {
-        let RunEvent { instant, kind, text } = event;
-        let time_s = *instant as f64 * self.context.period_s;
-        let event = files::RunEvent { tick: *instant, time_s, kind: kind.name().into(), text: text.clone() };
+        let event = run_event(event, self.context.period_s);
         self.write(|file| file.event(&event))
     }
 
@@ -141,9 +143,8 @@ fn quantiles(times: &Times) -> TimeQuantiles {
     }
 }
 
-/// The angles are from their zeroes, so that who reads the columns need not know of them; unfiltered.
-fn run_sample(sample: &Sample, [theta, alpha]: &[Channel; 2]) -> RunSample {
-    let angle = |channel: &Channel, reading: f64| channel.scale * (reading - channel.offset_rad);
+/// Real-time: no. The sample as a recording has it. The angles are from their zeroes, so that who reads the columns need not know of them; unfiltered.
+pub(crate) fn run_sample(sample: &Sample, calibration: &Calibration) -> RunSample {
     let short = |ns: u64| u32::try_from(ns).unwrap_or(u32::MAX);
     let phase = match sample.phase {
         Phase::Configured | Phase::Armed => RunPhase::Armed,
@@ -158,8 +159,8 @@ fn run_sample(sample: &Sample, [theta, alpha]: &[Channel; 2]) -> RunSample {
         u_v: commanded.u_v,
         reference_rad: sample.reference_rad,
         smoothed_rad: commanded.reference_rad,
-        theta_rad: angle(theta, sample.measured.theta_rad),
-        alpha_rad: angle(alpha, sample.measured.alpha_rad),
+        theta_rad: calibration.theta.scaled(sample.measured.theta_rad),
+        alpha_rad: calibration.alpha.scaled(sample.measured.alpha_rad),
         psi_rad: commanded.y_rad,
         y_model_rad: commanded.y_model_rad,
         error_rad: commanded.error_rad,
@@ -170,6 +171,18 @@ fn run_sample(sample: &Sample, [theta, alpha]: &[Channel; 2]) -> RunSample {
         fault: sample.fault.map_or(0, RunFault::code),
         stale: u8::from(sample.stale),
     }
+}
+
+/// Real-time: no. The settings that are in force from an instant on, as a recording has them.
+pub(crate) fn run_settings(instant: u64, live: &Live) -> LiveSettings {
+    let (settings, reference) = (table_of(&live.settings), run_reference(&live.reference));
+    LiveSettings { revision: live.revision, tick: instant, settings, reference }
+}
+
+/// Real-time: no. The event as a recording has it.
+pub(crate) fn run_event(event: &RunEvent, period_s: f64) -> files::RunEvent {
+    let RunEvent { instant, kind, text } = event;
+    files::RunEvent { tick: *instant, time_s: *instant as f64 * period_s, kind: kind.name().into(), text: text.clone() }
 }
 
 fn run_reference(reference: &Reference) -> RunReference {

@@ -21,7 +21,7 @@ use flexbeam_kernel as kernel;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -133,7 +133,7 @@ pub struct Session {
     /// What the dry run measured.
     pub dry_run: Meter,
     warnings: Mutex<Vec<String>>,
-    events: Sender<Message>,
+    events: Arc<Sender<Message>>,
     outcome: Receiver<LoopEnd>,
     watchdog_done: Arc<AtomicBool>,
     /// Both until they are joined.
@@ -149,6 +149,20 @@ pub struct Outcome {
     pub recorded: Recorded,
     /// The rig, at 0 V; nothing when its thread had to be left behind.
     pub back_end: Option<Box<dyn BackEnd>>,
+}
+
+/// Puts events into the recording of a run, and does not keep its recorder waiting.
+#[derive(Clone, Debug)]
+pub struct Notes(Weak<Sender<Message>>);
+
+impl Notes {
+    /// Real-time: no. An event of now; nothing once the session is gone.
+    pub fn note(&self, kind: EventKind, text: impl Into<String>) {
+        if let Some(events) = self.0.upgrade() {
+            // The recorder outlives the session; without it there is nowhere to note anything.
+            let _ = events.send(Message::Event(kind, text.into()));
+        }
+    }
 }
 
 struct LoopEnd {
@@ -213,7 +227,7 @@ impl Session {
             standing,
             dry_run,
             warnings: Mutex::default(),
-            events,
+            events: Arc::new(events),
             outcome,
             watchdog_done,
             watchdog,
@@ -231,6 +245,11 @@ impl Session {
         }
         // The recorder outlives the session; without it there is nowhere to note anything.
         let _ = self.events.send(Message::Event(kind, text));
+    }
+
+    /// Real-time: no. By which others put events into the recording while this session lasts.
+    pub fn notes(&self) -> Notes {
+        Notes(Arc::downgrade(&self.events))
     }
 
     /// Real-time: no. Whether the loop has ended.

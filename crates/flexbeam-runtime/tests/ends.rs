@@ -5,11 +5,11 @@ mod scripted;
 use flexbeam_kernel::Fault;
 use flexbeam_rig::Measurement;
 use flexbeam_runtime::back_end::{Answer, LinkFault};
-use flexbeam_runtime::{Cause, Controls, FrozenLimit, Outcome, Phase, RunFault, Session, Setup};
+use flexbeam_runtime::{Cause, Controls, EventKind, FrozenLimit, Outcome, Phase, RunFault, Session, Setup};
 use scripted::{DRY_SLEEPS, Ear, Log, Scripted, Virtual, alive, armed, open_loop, still};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, mpsc};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Runs to the end on a virtual clock.
 fn run(rig: Scripted, setup: Setup, late_ns: Vec<(u64, u64)>) -> (Outcome, Ear, Vec<(Option<u64>, f64)>) {
@@ -267,4 +267,23 @@ fn a_dropped_session_does_not_run_on() {
         std::thread::sleep(Duration::from_millis(5));
     }
     panic!("the loop runs on without anybody who could stop it");
+}
+
+/// Whoever may still note something does not keep the recorder of a session that nobody holds any more.
+#[test]
+fn notes_do_not_keep_a_recorder() {
+    let (session, ear) = armed(Scripted::new(|k| Ok(alive(k))), open_loop(2.0), Virtual::default());
+    let notes = session.notes();
+    notes.note(EventKind::Warning, "in time");
+    drop(session);
+    let patience = Instant::now();
+    while Arc::strong_count(&ear.0) > 1 {
+        assert!(patience.elapsed() < Duration::from_secs(60), "the recorder has not ended");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    notes.note(EventKind::Warning, "too late");
+    let heard = ear.0.lock().unwrap();
+    let noted: Vec<&str> =
+        heard.events.iter().filter(|e| e.kind == EventKind::Warning).map(|e| e.text.as_str()).collect();
+    assert!(noted.contains(&"in time") && !noted.contains(&"too late"), "{noted:?}");
 }

@@ -3,6 +3,8 @@
 mod export;
 mod rig;
 mod run;
+#[cfg(feature = "foxglove")]
+mod viewers;
 
 use std::path::PathBuf;
 
@@ -13,6 +15,8 @@ use crate::nominal::Nominal;
 pub use export::{Export, Form};
 pub use rig::{Experiment, Rig, RigTest, ServeRig};
 pub use run::{RigLink, Run, Signal, Tell, What};
+#[cfg(feature = "foxglove")]
+pub use viewers::Viewers;
 
 /// Model, identify, design, verify and simulate a robust controller for a flexible beam on a servo motor.
 #[derive(Debug, Parser)]

@@ -4,6 +4,8 @@ mod certified;
 mod lines;
 mod reference;
 mod terminal;
+#[cfg(feature = "foxglove")]
+mod viewers;
 
 use std::path::Path;
 
@@ -47,18 +49,22 @@ pub fn run(arguments: &cli::Run) -> Result<(), Failure> {
     RunFile::check_free(&arguments.out, overwrite)?;
 
     let socket = arguments.control.as_deref().map(BoundSocket::bind).transpose().map_err(said_itself)?;
-
+    #[cfg(feature = "foxglove")]
+    let viewers = viewers::open(&arguments.viewers)?;
     let back_end = port::open(&plan.port, &plan.rig, arguments.seed)?;
     let mut setup = plan.setup.clone();
     within_reach(back_end.as_ref(), &mut setup);
     let homed = plan.port != Port::Simulated || arguments.home;
     let back_end = if homed { home(back_end, &mut setup, arguments.link.sign_check)? } else { back_end };
 
-    let file = RunFile::create(&arguments.out, overwrite, &RunHeader { start_unix_ns: now_unix_ns(), ..header })?;
+    let header = RunHeader { start_unix_ns: now_unix_ns(), ..header };
+    let file = RunFile::create(&arguments.out, overwrite, &header)?;
     let context = RunContext { port: plan.port.to_string(), period_s: setup.period_s };
     let latest = Latest::default();
     let sink = RunSink::new(file, &arguments.out, context.clone());
     let sinks: Vec<Box<dyn Sink>> = vec![Box::new(sink), Box::new(latest.clone())];
+    #[cfg(feature = "foxglove")]
+    let sinks = viewers::with_sink(sinks, viewers.as_ref(), &header);
     let period_s = setup.period_s;
     let session = Session::arm(back_end, setup, sinks).map_err(|refused| {
         // Nothing ran, so nothing is worth keeping.
@@ -67,6 +73,8 @@ pub fn run(arguments: &cli::Run) -> Result<(), Failure> {
     })?;
     plan.overrides.iter().for_each(|text| session.note(EventKind::Override, text));
     let steering = Steering { controls: session.controls.clone(), live: session.live.clone(), latest, period_s };
+    #[cfg(feature = "foxglove")]
+    viewers::admit(viewers.as_ref(), &session, &steering);
     let _socket = socket.map(|socket| socket.serve(steering.clone())).transpose().map_err(said_itself)?;
     watch(arguments, &plan, &session, &steering);
     answer(arguments, session.finish(), &context)

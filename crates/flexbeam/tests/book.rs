@@ -245,8 +245,30 @@ fn options_of(command: &str) -> BTreeSet<String> {
 fn the_command_line_chapter_has_the_program_s_options() {
     let page = Page::read(root().join("book/src/command-line.md"));
     for command in COMMANDS {
-        assert_eq!(options(&section(&page, command)), options_of(command), "left: the book; right: {command} --help");
+        let mut documented = options(&section(&page, command));
+        documented.extend(of_features(command));
+        assert_eq!(documented, options_of(command), "left: the book; right: {command} --help");
     }
+}
+
+/// Options of a command that this build has by a feature, from the page of that feature.
+fn of_features(command: &str) -> BTreeSet<String> {
+    if cfg!(feature = "foxglove") && command == "run" { foxglove_options() } else { BTreeSet::new() }
+}
+
+fn foxglove_options() -> BTreeSet<String> {
+    let page = Page::read(root().join("book/src/foxglove.md"));
+    let rows = page.text.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
+    rows.flat_map(options).collect()
+}
+
+/// The page of the feature lists what the feature adds, which begins with its name, and a plain program has none of it.
+#[test]
+fn the_foxglove_chapter_has_the_options_of_its_feature() {
+    let listed = foxglove_options();
+    assert!(!listed.is_empty());
+    let added: BTreeSet<String> = options_of("run").into_iter().filter(|o| o.starts_with("--foxglove")).collect();
+    assert_eq!(added, if cfg!(feature = "foxglove") { listed } else { BTreeSet::new() });
 }
 
 /// Backquoted first cells of the table under `### JSON keys`.

@@ -1,7 +1,9 @@
-//! What a run says besides its samples: settings, events, a report. Each as JSON, with the schema that viewers are given.
+//! What a run says besides its samples: settings and events, each as JSON.
 
 use crate::settings::Settings;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::fmt;
 
 /// The settings in force from a tick on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,23 +21,54 @@ pub struct LiveSettings {
 impl LiveSettings {
     /// The settings that are set, as `theta.low_pass` and its value.
     pub fn texts(&self) -> Vec<(String, String)> {
-        let mut texts = Vec::new();
-        if let Ok(settings) = serde_json::to_value(&self.settings) {
-            collect(&settings, "", &mut texts);
-        }
-        texts
+        by_key(&self.settings, "").into_iter().map(|(key, value)| (key, value.to_string())).collect()
+    }
+
+    /// The settings that are set and the reference, by the keys that change them: `theta.low_pass`, `reference.shape`.
+    pub fn by_key(&self) -> Vec<(String, SettingValue)> {
+        [by_key(&self.settings, ""), by_key(&self.reference, "reference")].concat()
+    }
+
+    /// The message on the topic `/settings`.
+    pub fn to_json(&self) -> Vec<u8> {
+        json_bytes(self).expect("settings have string keys only")
     }
 }
 
-fn collect(value: &serde_json::Value, name: &str, texts: &mut Vec<(String, String)>) {
-    match value {
-        serde_json::Value::Null => {}
-        serde_json::Value::Object(object) => {
-            let below = |key: &str| if name.is_empty() { key.to_string() } else { format!("{name}.{key}") };
-            object.iter().for_each(|(key, value)| collect(value, &below(key), texts));
+/// The value of one setting.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SettingValue {
+    /// In the unit that its key names.
+    Number(f64),
+    /// Of a few: a law, a shape.
+    Word(String),
+}
+
+/// As JSON writes a number, and a word without quotes.
+impl fmt::Display for SettingValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SettingValue::Number(number) => write!(f, "{}", Value::from(*number)),
+            SettingValue::Word(word) => write!(f, "{word}"),
         }
-        serde_json::Value::String(text) => texts.push((name.into(), text.clone())),
-        other => texts.push((name.into(), other.to_string())),
+    }
+}
+
+fn by_key(table: &impl Serialize, name: &str) -> Vec<(String, SettingValue)> {
+    let mut found = Vec::new();
+    collect(&serde_json::to_value(table).expect("a table has string keys only"), name, &mut found);
+    found
+}
+
+fn collect(value: &Value, name: &str, found: &mut Vec<(String, SettingValue)>) {
+    let below = |key: &str| if name.is_empty() { key.to_string() } else { format!("{name}.{key}") };
+    match value {
+        Value::Object(object) => object.iter().for_each(|(key, value)| collect(value, &below(key), found)),
+        Value::String(word) => found.push((name.into(), SettingValue::Word(word.clone()))),
+        Value::Number(number) => {
+            found.extend(number.as_f64().map(|number| (name.into(), SettingValue::Number(number))));
+        }
+        Value::Null | Value::Bool(_) | Value::Array(_) => {}
     }
 }
 
@@ -81,49 +114,12 @@ pub struct RunEvent {
     pub text: String,
 }
 
-/// A topic with JSON messages.
-pub(super) struct JsonTopic {
-    pub topic: &'static str,
-    pub schema_name: &'static str,
-    /// JSON Schema, in the part of it that viewers understand.
-    pub schema: &'static str,
+impl RunEvent {
+    /// The message on the topic `/events`.
+    pub fn to_json(&self) -> Vec<u8> {
+        json_bytes(self).expect("an event has string keys only")
+    }
 }
-
-/// Topic and schema name of the samples.
-pub(super) const SIGNALS: (&str, &str) = ("/signals", "flexbeam_msgs/msg/Signals");
-
-pub(super) const SETTINGS: JsonTopic = JsonTopic {
-    topic: "/settings",
-    schema_name: "flexbeam.LiveSettings",
-    schema: r#"{"type":"object","properties":{
-"revision":{"type":"integer"},
-"tick":{"type":"integer","description":"first period under these settings"},
-"settings":{"type":"object","description":"by the names of the controller file","properties":{
-"law":{"type":"string"},
-"u_p_plus_v":{"type":"number"},"u_p_minus_v":{"type":"number"},
-"eps_u_v":{"type":"number"},"eps_e_rad":{"type":"number"},
-"hysteresis_u":{"type":"number"},"hysteresis_e":{"type":"number"},
-"breakaway_plus_v":{"type":"number"},"breakaway_minus_v":{"type":"number"},
-"voltage_limit_v":{"type":"number"},"deflection_limit_rad":{"type":"number"},
-"theta_limit_rad":{"type":"number"},"theta_step_limit_rad":{"type":"number"},
-"smooth_ticks":{"type":"number"},"smooth_step_rad":{"type":"number"},
-"theta":{"type":"object","properties":{
-"scale":{"type":"number"},"offset_rad":{"type":"number"},"low_pass":{"type":"number"}}},
-"alpha":{"type":"object","properties":{
-"scale":{"type":"number"},"offset_rad":{"type":"number"},"low_pass":{"type":"number"}}}}},
-"reference":{"type":"object","properties":{
-"shape":{"type":"string"},"amplitude_rad":{"type":"number"},"period_s":{"type":"number"},"offset_rad":{"type":"number"}}}}}"#,
-};
-
-pub(super) const EVENTS: JsonTopic = JsonTopic {
-    topic: "/events",
-    schema_name: "flexbeam.RunEvent",
-    schema: r#"{"type":"object","properties":{
-"tick":{"type":"integer"},"time_s":{"type":"number"},"kind":{"type":"string"},"text":{"type":"string"}}}"#,
-};
-
-pub(super) const REPORT: JsonTopic =
-    JsonTopic { topic: "/report", schema_name: "flexbeam.RunReport", schema: r#"{"type":"object","properties":{}}"# };
 
 /// JSON without the keys that hold nothing, which the schemas do not know.
 ///
@@ -134,7 +130,7 @@ pub(super) fn json_bytes(message: &impl Serialize) -> Result<Vec<u8>, serde_json
     serde_json::to_vec(&value)
 }
 
-fn drop_nulls(value: &mut serde_json::Value) {
+fn drop_nulls(value: &mut Value) {
     if let Some(object) = value.as_object_mut() {
         object.retain(|_, value| !value.is_null());
         object.values_mut().for_each(drop_nulls);
@@ -144,8 +140,8 @@ fn drop_nulls(value: &mut serde_json::Value) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::RunTopic;
     use crate::settings::{Channel, Law};
-    use serde_json::Value;
 
     /// Every key that can be written stands in the schema, and nothing else does.
     #[test]
@@ -173,11 +169,21 @@ mod tests {
         let reference = RunReference { shape: RunShape::Sawtooth, amplitude_rad: 0.5, period_s: 2.0, offset_rad: 0.1 };
         let live = LiveSettings { revision: 3, tick: 7, settings, reference };
         let event = RunEvent { tick: 1, time_s: 0.001, kind: "lost".into(), text: "an answer".into() };
-        assert_same_keys(&serde_json::to_value(&live).unwrap(), &serde_json::from_str(SETTINGS.schema).unwrap());
-        assert_same_keys(&serde_json::to_value(&event).unwrap(), &serde_json::from_str(EVENTS.schema).unwrap());
-        assert_same_keys(&Value::Object(Default::default()), &serde_json::from_str(REPORT.schema).unwrap());
+        assert_same_keys(
+            &serde_json::to_value(&live).unwrap(),
+            &serde_json::from_str(RunTopic::SETTINGS.schema).unwrap(),
+        );
+        assert_same_keys(
+            &serde_json::to_value(&event).unwrap(),
+            &serde_json::from_str(RunTopic::EVENTS.schema).unwrap(),
+        );
+        assert_same_keys(&Value::Object(Default::default()), &serde_json::from_str(RunTopic::REPORT.schema).unwrap());
         assert_eq!(live.texts().len(), 15 + 2 * 3, "fifteen numbers and words, two channels of three");
-        let back: LiveSettings = serde_json::from_slice(&json_bytes(&live).unwrap()).unwrap();
+        let keys = live.by_key();
+        assert_eq!(keys.len(), live.texts().len() + 4);
+        assert!(keys.contains(&("theta.low_pass".into(), SettingValue::Number(1.0))), "{keys:?}");
+        assert!(keys.contains(&("reference.shape".into(), SettingValue::Word("sawtooth".into()))), "{keys:?}");
+        let back: LiveSettings = serde_json::from_slice(&live.to_json()).unwrap();
         assert_eq!(back, live);
     }
 
@@ -203,7 +209,7 @@ mod tests {
     fn settings_left_out_are_not_written() {
         let reference = RunReference { shape: RunShape::Step, amplitude_rad: 0.5, period_s: 2.0, offset_rad: 0.0 };
         let live = LiveSettings { revision: 0, tick: 0, settings: Settings::default(), reference };
-        let text = String::from_utf8(json_bytes(&live).unwrap()).unwrap();
+        let text = String::from_utf8(live.to_json()).unwrap();
         assert!(text.contains("\"settings\":{}") && text.contains("\"shape\":\"step\""), "{text}");
         assert_eq!(serde_json::from_str::<LiveSettings>(&text).unwrap(), live);
     }

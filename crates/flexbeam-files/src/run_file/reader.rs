@@ -2,9 +2,10 @@
 
 use super::fault::RunFault;
 use super::header::{RunHeader, metadata};
-use super::messages::{EVENTS, LiveSettings, REPORT, RunEvent, SETTINGS, SIGNALS};
+use super::messages::{LiveSettings, RunEvent};
 use super::records::{Part, Parts, attachment};
 use super::sample::{RunColumns, RunSample};
+use super::topics::RunTopic;
 use crate::error::{Error, Tried};
 use crate::fault::Fault;
 use crate::hash::sha256_hex;
@@ -185,10 +186,16 @@ impl Content {
         let topic = self.topics.get(&channel).ok_or("a message of an unknown channel")?;
         let wrong = |error: serde_json::Error| format!("a message on {topic}: {error}");
         match topic.as_str() {
-            topic if topic == SIGNALS.0 => self.samples.push(RunSample::from_cdr(data).ok_or("no sample")?),
-            topic if topic == SETTINGS.topic => self.settings.push(serde_json::from_slice(data).map_err(wrong)?),
-            topic if topic == EVENTS.topic => self.events.push(serde_json::from_slice(data).map_err(wrong)?),
-            topic if topic == REPORT.topic => self.report = Some(serde_json::from_slice(data).map_err(wrong)?),
+            topic if topic == RunTopic::SIGNALS.topic => {
+                self.samples.push(RunSample::from_cdr(data).ok_or("no sample")?)
+            }
+            topic if topic == RunTopic::SETTINGS.topic => {
+                self.settings.push(serde_json::from_slice(data).map_err(wrong)?)
+            }
+            topic if topic == RunTopic::EVENTS.topic => self.events.push(serde_json::from_slice(data).map_err(wrong)?),
+            topic if topic == RunTopic::REPORT.topic => {
+                self.report = Some(serde_json::from_slice(data).map_err(wrong)?)
+            }
             _ => {}
         }
         Ok(())

@@ -28,13 +28,13 @@ macro_rules! fields {
             pub const UNITS: &[&str] = &[$($unit),*];
 
             /// Length of a message [bytes].
-            pub(super) const BYTES: usize = ENCAPSULATION.len() $(+ size_of::<$type>())*;
+            pub const BYTES: usize = ENCAPSULATION.len() $(+ size_of::<$type>())*;
 
             /// The definition of `flexbeam_msgs/msg/Signals`.
-            pub(super) const DEFINITION: &str = concat!($($ros, " ", stringify!($name), "  # ", $doc, "\n"),*);
+            pub const DEFINITION: &str = concat!($($ros, " ", stringify!($name), "  # ", $doc, "\n"),*);
 
-            /// The message.
-            pub(super) fn to_cdr(self) -> [u8; Self::BYTES] {
+            /// The message on the topic `/signals`.
+            pub fn to_cdr(self) -> [u8; Self::BYTES] {
                 let mut bytes = [0; Self::BYTES];
                 let mut at = 0;
                 let mut put = |field: &[u8]| {
@@ -47,7 +47,7 @@ macro_rules! fields {
             }
 
             /// The sample in a message; nothing when it is no such message.
-            pub(super) fn from_cdr(bytes: &[u8]) -> Option<RunSample> {
+            pub fn from_cdr(bytes: &[u8]) -> Option<RunSample> {
                 let rest = &mut bytes.strip_prefix(&ENCAPSULATION)?;
                 let sample = RunSample { $($name: <$type>::from_le_bytes(taken(rest)?),)* };
                 rest.is_empty().then_some(sample)

@@ -1,9 +1,10 @@
 //! A run on its way into a file.
 
 use super::header::RunHeader;
-use super::messages::{EVENTS, JsonTopic, LiveSettings, REPORT, RunEvent, SETTINGS, SIGNALS, json_bytes};
+use super::messages::{LiveSettings, RunEvent, json_bytes};
 use super::reader::CONTROLLER;
 use super::sample::RunSample;
+use super::topics::RunTopic;
 use mcap::records::MessageHeader;
 use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 use serde::Serialize;
@@ -48,13 +49,11 @@ impl<W: Write + Seek> RunWriter<W> {
                 data: controller.as_slice().into(),
             })?;
         }
-        let (topic, schema_name) = SIGNALS;
-        let schema = writer.add_schema(schema_name, "ros2msg", RunSample::DEFINITION.as_bytes())?;
         Ok(RunWriter {
-            signals: writer.add_channel(schema, topic, "cdr", &BTreeMap::new())?,
-            settings: json_channel(&mut writer, &SETTINGS)?,
-            events: json_channel(&mut writer, &EVENTS)?,
-            report: json_channel(&mut writer, &REPORT)?,
+            signals: channel(&mut writer, &RunTopic::SIGNALS)?,
+            settings: channel(&mut writer, &RunTopic::SETTINGS)?,
+            events: channel(&mut writer, &RunTopic::EVENTS)?,
+            report: channel(&mut writer, &RunTopic::REPORT)?,
             writer,
             failed: failed.clone(),
             header: header.clone(),
@@ -116,9 +115,9 @@ fn options(header: &RunHeader) -> WriteOptions {
         .library(header.provenance.tool.clone())
 }
 
-fn json_channel<W: Write + Seek>(writer: &mut Writer<W>, topic: &JsonTopic) -> Result<u16, McapError> {
-    let schema = writer.add_schema(topic.schema_name, "jsonschema", topic.schema.as_bytes())?;
-    writer.add_channel(schema, topic.topic, "json", &BTreeMap::new())
+fn channel<W: Write + Seek>(writer: &mut Writer<W>, topic: &RunTopic) -> Result<u16, McapError> {
+    let schema = writer.add_schema(topic.schema_name, topic.schema_encoding, topic.schema.as_bytes())?;
+    writer.add_channel(schema, topic.topic, topic.message_encoding, &BTreeMap::new())
 }
 
 /// The kind of the first error, if there was one.

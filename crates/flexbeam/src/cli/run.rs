@@ -74,6 +74,10 @@ pub struct Run {
     /// Listen on this Unix socket for `flexbeam tell`
     #[arg(long)]
     pub control: Option<PathBuf>,
+    /// Live topics and parameters.
+    #[cfg(feature = "foxglove")]
+    #[command(flatten)]
+    pub viewers: super::Viewers,
     /// Run a controller whose certificate does not match its numbers, for this reason; it goes into the recording
     #[arg(long, value_name = "REASON")]
     pub unverified: Option<String>,
