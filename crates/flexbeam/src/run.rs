@@ -12,10 +12,11 @@ use std::path::Path;
 use flexbeam_files::{Controller, Document, Overwrite, Project, RunFile, RunHeader, RunResult, json_text};
 use flexbeam_report::{Cell, Table, engineering};
 use flexbeam_rig::RigParameters;
+use flexbeam_runtime::back_end::BackEnd;
 use flexbeam_runtime::port::Port;
 use flexbeam_runtime::{
-    BoundSocket, Cause, ControllerData, EventKind, Latest, Live, NoSocket, Outcome, RunContext, RunSink, Session,
-    Setup, Sink, Steering, run_result,
+    BoundSocket, Cause, ControlSocket, ControllerData, EventKind, Latest, Live, NoSocket, Outcome, RunContext, RunSink,
+    Session, Setup, Sink, Steering, run_result,
 };
 
 use crate::controller_file::kernel_settings;
@@ -44,44 +45,50 @@ struct Stopped(String);
 /// Runs the command.
 pub fn run(arguments: &cli::Run) -> Result<(), Failure> {
     let plan = Plan::of(arguments)?;
-    let overwrite = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
-    let header = plan.header(arguments)?;
-    RunFile::check_free(&arguments.out, overwrite)?;
+    let mut places = Places::take(arguments)?;
+    let (rig, setup) = plan.rig_at_rest(arguments)?;
+    let running = plan.armed(arguments, &places, rig, setup)?;
+    let _socket = places.serve(&running.steering)?;
+    watch(arguments, &plan, &running);
+    answer(arguments, running.session.finish(), &running.context)
+}
 
-    let socket = arguments.control.as_deref().map(BoundSocket::bind).transpose().map_err(said_itself)?;
+/// What a run needs beside its rig, taken before the rig is touched.
+struct Places {
+    overwrite: Overwrite,
+    socket: Option<BoundSocket>,
     #[cfg(feature = "foxglove")]
-    let viewers = viewers::open(&arguments.viewers)?;
-    let back_end = port::open(&plan.port, &plan.rig, arguments.seed)?;
-    let mut setup = plan.setup.clone();
-    within_reach(back_end.as_ref(), &mut setup);
-    let homed = plan.port != Port::Simulated || arguments.home;
-    let back_end = if homed { home(back_end, &mut setup, arguments.link.sign_check)? } else { back_end };
+    viewers: Option<flexbeam_runtime::foxglove::Viewers>,
+}
 
-    let header = RunHeader { start_unix_ns: now_unix_ns(), ..header };
-    let file = RunFile::create(&arguments.out, overwrite, &header)?;
-    let context = RunContext { port: plan.port.to_string(), period_s: setup.period_s };
-    let latest = Latest::default();
-    let sink = RunSink::new(file, &arguments.out, context.clone());
-    let sinks: Vec<Box<dyn Sink>> = vec![Box::new(sink), Box::new(latest.clone())];
-    #[cfg(feature = "foxglove")]
-    let sinks = viewers::with_sink(sinks, viewers.as_ref(), &header);
-    let period_s = setup.period_s;
-    let session = Session::arm(back_end, setup, sinks).map_err(|refused| {
-        // Nothing ran, so nothing is worth keeping.
-        let _ = std::fs::remove_file(RunFile::part_path(&arguments.out));
-        Failure::while_trying(plan.tried.clone())(refused)
-    })?;
-    plan.overrides.iter().for_each(|text| session.note(EventKind::Override, text));
-    let steering = Steering { controls: session.controls.clone(), live: session.live.clone(), latest, period_s };
-    #[cfg(feature = "foxglove")]
-    viewers::admit(viewers.as_ref(), &session, &steering);
-    let _socket = socket.map(|socket| socket.serve(steering.clone())).transpose().map_err(said_itself)?;
-    watch(arguments, &plan, &session, &steering);
-    answer(arguments, session.finish(), &context)
+impl Places {
+    /// Errors: a file that may not be replaced, a socket or an address that is taken.
+    fn take(arguments: &cli::Run) -> Result<Places, Failure> {
+        let overwrite = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
+        RunFile::check_free(&arguments.out, overwrite)?;
+        Ok(Places {
+            overwrite,
+            socket: arguments.control.as_deref().map(BoundSocket::bind).transpose().map_err(said_itself)?,
+            #[cfg(feature = "foxglove")]
+            viewers: viewers::open(&arguments.viewers)?,
+        })
+    }
+
+    /// The viewers stay with the places; the socket goes to its owner.
+    fn serve(&mut self, steering: &Steering) -> Result<Option<ControlSocket>, Failure> {
+        self.socket.take().map(|socket| socket.serve(steering.clone())).transpose().map_err(said_itself)
+    }
+}
+
+/// A run under way.
+struct Running {
+    session: Session,
+    steering: Steering,
+    context: RunContext,
 }
 
 /// Until the run is over: on the terminal where there is one, then in lines whatever was not told yet.
-fn watch(arguments: &cli::Run, plan: &Plan, session: &Session, steering: &Steering) {
+fn watch(arguments: &cli::Run, plan: &Plan, Running { session, steering, .. }: &Running) {
     if !arguments.plain && !arguments.json && terminal::is_there() {
         let controller = arguments.controller.file_name().unwrap_or_default().to_string_lossy().into_owned();
         terminal::watch(session, steering, terminal::About { controller, port: plan.port.to_string() });
@@ -120,6 +127,49 @@ impl Plan {
         })
     }
 
+    /// The rig, opened and at 0 V, with its zeroes in the settings where it was homed.
+    ///
+    /// Errors: a rig that is not there, does not come to rest, or turns the wrong way.
+    fn rig_at_rest(&self, arguments: &cli::Run) -> Result<(Box<dyn BackEnd>, Setup), Failure> {
+        let mut setup = self.setup.clone();
+        let rig = port::open(&self.port, &self.rig, arguments.seed)?;
+        within_reach(rig.as_ref(), &mut setup);
+        let homed = self.port != Port::Simulated || arguments.home;
+        let rig = if homed { home(rig, &mut setup, arguments.link.sign_check)? } else { rig };
+        Ok((rig, setup))
+    }
+
+    /// The clock runs, the recording has begun.
+    ///
+    /// Errors: a recording that cannot be written, a run that cannot be armed; then nothing stays behind.
+    fn armed(
+        &self,
+        arguments: &cli::Run,
+        places: &Places,
+        rig: Box<dyn BackEnd>,
+        setup: Setup,
+    ) -> Result<Running, Failure> {
+        let header = self.header(arguments)?;
+        let context = RunContext { port: self.port.to_string(), period_s: setup.period_s };
+        let file = RunFile::create(&arguments.out, places.overwrite, &header)?;
+        let latest = Latest::default();
+        let recording = RunSink::new(file, &arguments.out, context.clone());
+        let sinks: Vec<Box<dyn Sink>> = vec![Box::new(recording), Box::new(latest.clone())];
+        #[cfg(feature = "foxglove")]
+        let sinks = viewers::with_sink(sinks, places.viewers.as_ref(), &header);
+        let session = Session::arm(rig, setup, sinks).map_err(|refused| {
+            // Nothing ran, so nothing is worth keeping.
+            let _ = std::fs::remove_file(RunFile::part_path(&arguments.out));
+            Failure::while_trying(self.tried.clone())(refused)
+        })?;
+        self.overrides.iter().for_each(|text| session.note(EventKind::Override, text));
+        let (controls, live) = (session.controls.clone(), session.live.clone());
+        let steering = Steering { controls, live, latest, period_s: context.period_s };
+        #[cfg(feature = "foxglove")]
+        viewers::admit(places.viewers.as_ref(), &session, &steering);
+        Ok(Running { session, steering, context })
+    }
+
     fn header(&self, arguments: &cli::Run) -> Result<RunHeader, Failure> {
         let project = arguments.controller.with_file_name(Project::FILE);
         let project = project.is_file().then_some(project);
@@ -127,7 +177,7 @@ impl Plan {
         let parents: Vec<&Path> = files.into_iter().flatten().map(|path| path.as_path()).collect();
         Ok(RunHeader {
             period_s: self.setup.period_s,
-            start_unix_ns: 0,
+            start_unix_ns: now_unix_ns(),
             port: self.port.to_string(),
             provenance: provenance(&parents, &arguments.out)?,
             controller: Some(flexbeam_files::read_bytes(&arguments.controller)?),
