@@ -106,8 +106,8 @@ pub enum LinkFault {
         /// Its error code.
         code: i32,
     },
-    /// The watchdog cut the voltage off.
-    #[error("the watchdog cut the voltage off")]
+    /// The voltage was cut off: by the watchdog, or by another hand at the rig.
+    #[error("the voltage was cut off, by the watchdog or by another hand at the rig")]
     CutOff,
 }
 

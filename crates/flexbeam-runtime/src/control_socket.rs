@@ -61,7 +61,7 @@ pub struct ControlSocket {
 
 /// A socket that cannot be opened.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("cannot open the control socket {}: found {reason}, needed a place for a new socket\nhint: another run may use that name; --control names another one", .path.display())]
+#[error("cannot open the control socket {}: found {reason}, needed a place for a new socket\nhint: the folder must exist, and the name be free and shorter than 108 bytes; --control names another one", .path.display())]
 pub struct NoSocket {
     /// Where.
     pub path: PathBuf,

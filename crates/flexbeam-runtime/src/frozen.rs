@@ -20,6 +20,9 @@ impl Default for FrozenLimit {
 }
 
 impl FrozenLimit {
+    /// For a run that is to find out whether the hub moves.
+    pub const NEVER: FrozenLimit = FrozenLimit { voltage_v: f64::INFINITY, time_s: f64::INFINITY };
+
     /// From breakaway voltages as they were measured, either way: half as much again and 0.1 V; the default where none was.
     pub fn above_breakaway(plus_v: f64, minus_v: f64) -> FrozenLimit {
         let largest_v = plus_v.max(minus_v);

@@ -28,7 +28,9 @@ pub struct Live {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refused {
     /// A number that makes no sense.
-    #[error("found a senseless {name}, needed {needed}\nhint: the run goes on with the settings that it has")]
+    #[error(
+        "found a senseless {name}, needed {needed}\nhint: nothing was changed; the book lists each key with its range"
+    )]
     Senseless {
         /// The key.
         name: &'static str,

@@ -16,6 +16,9 @@ use crate::sample::Sample;
 use flexbeam_kernel::{Commanded, Controller, Fault, Measured, Settings, State, tick};
 use flexbeam_rig::Measurement;
 
+/// How often 0 V is tried again when the rig did not take it.
+const ATTEMPTS: usize = 3;
+
 /// Punctual ticks in a row that make up for one missed period.
 const MAKES_UP: u64 = 3;
 
@@ -65,9 +68,9 @@ pub(crate) struct RealTimeLoop<'a, C: Clock> {
 struct ZeroAtTheEnd<'a>(&'a mut dyn BackEnd);
 
 impl ZeroAtTheEnd<'_> {
-    /// Real-time: yes. 0 V, and whether the rig took it.
+    /// Real-time: yes. 0 V, and whether the rig took it; a call that fails is made again.
     fn end(self) -> Result<(), LinkFault> {
-        let taken = self.0.zero();
+        let taken = (0..ATTEMPTS).fold(self.0.zero(), |taken, _| taken.or_else(|_| self.0.zero()));
         std::mem::forget(self);
         taken
     }

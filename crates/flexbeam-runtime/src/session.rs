@@ -209,13 +209,14 @@ impl Session {
         let (armed_out, armed) = channel();
         let (outcome_out, outcome) = channel();
         let loop_controls = controls.clone();
-        spawn("flexbeam-loop", move || {
+        let spawned = spawn("flexbeam-loop", move || {
             if let Some(end) = loop_thread(clock, back_end, &setup, reader, producer, &loop_controls, &armed_out) {
                 // Nobody listens when the session was dropped; the rig is at 0 V all the same.
                 let _ = outcome_out.send(end);
             }
-        })?;
-        let armed = armed.recv().unwrap_or_else(|_| Err(NotArmed::Thread("a thread that ended early".into())));
+        });
+        let early = |_| NotArmed::Thread("a thread that ended early".into());
+        let armed = spawned.and_then(|_| armed.recv().map_err(early)?);
         if armed.is_err() {
             watchdog_done.store(true, Ordering::Release);
         }

@@ -5,7 +5,8 @@
 use nix::errno::Errno;
 use nix::sched::{CpuSet, sched_setaffinity};
 use nix::sys::mman::{MlockAllFlags, mlockall};
-use nix::unistd::Pid;
+use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
+use nix::unistd::{Pid, geteuid};
 use std::fmt;
 
 /// SCHED_FIFO priority of the loop; below the kernel's own threads for timers (99) and above what desktops use.
@@ -42,7 +43,7 @@ impl Standing {
     /// Real-time: no. Claims everything for the calling thread, and touches its stack.
     pub fn claim(priority: i32, core: Option<usize>) -> Standing {
         let standing = Standing {
-            memory: mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE),
+            memory: mlockall(pages()),
             priority: fifo(priority).map(|()| priority),
             core: core.map(|core| pin(core).map(|()| core)),
         };
@@ -81,6 +82,14 @@ impl fmt::Display for Warning {
             ),
         }
     }
+}
+
+/// Pages to come are locked only where there is no limit: one that is met on the way would end the program.
+fn pages() -> MlockAllFlags {
+    let limit = getrlimit(Resource::RLIMIT_MEMLOCK).map_or(0, |(soft, _)| soft);
+    let unlimited = limit == RLIM_INFINITY || geteuid().is_root();
+    let future = if unlimited { MlockAllFlags::MCL_FUTURE } else { MlockAllFlags::empty() };
+    MlockAllFlags::MCL_CURRENT | future
 }
 
 fn fifo(priority: i32) -> Result<(), Errno> {

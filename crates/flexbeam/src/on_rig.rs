@@ -14,11 +14,13 @@ use flexbeam_runtime::{
     Cause, ControllerData, FrozenLimit, Live, NotHomed, Outcome, Phase, Recorded, Reference, Sample, Setup, SignWatch,
     Sink, Zero, drive, open_loop_setup, sign_check_voltages, signs_of, zero_of,
 };
-use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGXFSZ};
+use signal_hook::consts::{SIGALRM, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 
 use crate::output::{progress, say};
 use crate::{Failure, cli, port};
 
+/// Two counts of an encoder with 4096 counts a turn, and half of one [rad].
+const TWO_COUNTS_RAD: f64 = 2.5 * std::f64::consts::TAU / 4096.0;
 /// Length of a look at the rig at rest [s].
 const LOOK_S: f64 = 0.5;
 /// How often it is looked at while it still moves.
@@ -48,7 +50,14 @@ pub fn setup_on(link: &cli::RigLink, setup: Setup) -> Result<Setup, Failure> {
     let mut live = setup.live;
     let settings = &mut live.settings;
     settings.theta_limit_rad = settings.theta_limit_rad.min(link.max_angle_deg.to_radians());
-    let step_limit_rad = link.max_speed_deg_s.to_radians() * setup.period_s;
+    let mut step_limit_rad = link.max_speed_deg_s.to_radians() * setup.period_s;
+    if step_limit_rad < TWO_COUNTS_RAD {
+        let least = (TWO_COUNTS_RAD / setup.period_s).to_degrees();
+        say(format_args!(
+            "warning: below {least:.0} degree/s the encoder's steps alone would be too fast; that is the speed limit now"
+        ));
+        step_limit_rad = TWO_COUNTS_RAD;
+    }
     settings.theta_step_limit_rad = settings.theta_step_limit_rad.min(step_limit_rad);
     let frozen = FrozenLimit::above_breakaway(settings.breakaway_plus_v, settings.breakaway_minus_v);
     Ok(Setup { live, frozen, hold_s: link.hold, core: link.core, asked: asked_by_signal()?, ..setup })
@@ -69,8 +78,9 @@ fn check(link: &cli::RigLink) -> Result<(), NoLoop> {
     }
 }
 
-/// Ctrl-C, a termination, a hang-up, Ctrl-\, and Ctrl-Z: a program that is stopped leaves its last voltage standing.
-const ENDINGS: [i32; 5] = [SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP];
+/// Ctrl-C, a termination, a hang-up, Ctrl-\, Ctrl-Z, and what else would end or halt a program that does not listen: its last
+/// voltage would stand.
+const ENDINGS: [i32; 9] = [SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGUSR1, SIGUSR2, SIGALRM, SIGXCPU];
 
 /// The flag that a signal to end sets: to 0 V and to the end, within a period. A file that grows beyond its limit is an error of
 /// the recording rather than the death of the program.
@@ -94,6 +104,8 @@ pub struct RigAt<'a> {
     pub simulated: &'a RigParameters,
     /// Of the simulated rig's noise.
     pub seed: u64,
+    /// When an encoder that stands still is a fault.
+    pub frozen: FrozenLimit,
 }
 
 /// Sends a list of voltages to a rig on the clock, from its zeroes on, with these sinks beside.
@@ -115,6 +127,7 @@ pub fn drive_rig(
     }
     let bar = progress(voltages_v.len() as u64, "driving the rig");
     let along = bar.clone();
+    setup.frozen = rig.frozen;
     let setup = open_loop_setup(voltages_v.into(), &setup.live.settings, &setup);
     let offsets = [setup.live.settings.theta.offset_rad, setup.live.settings.alpha.offset_rad];
     let every = (0.1 / period_s).ceil() as u64;
@@ -178,6 +191,23 @@ pub fn whole(recorded: &Recorded, out: &Path, missing: u64) -> Result<(), Failur
     }))
 }
 
+/// Whether every sample of a list of voltages came home.
+///
+/// Errors: samples that got lost on their way to memory.
+pub fn whole_in_memory(outcome: &Outcome) -> Result<(), Failure> {
+    match outcome.report.meter.unrecorded {
+        0 => Ok(()),
+        missing => Err(Failure::while_trying("keep the samples")(Lost(missing))),
+    }
+}
+
+/// Samples that the recorder's thread was too late for.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "found {0} samples lost on their way to memory, needed all of them\nhint: the machine stood still for seconds; stop other programs"
+)]
+struct Lost(u64);
+
 /// Finds the zeroes and checks the signs; the zeroes go into the settings.
 ///
 /// Errors: a rig that does not come to rest, whose signs are wrong, or that faults.
@@ -220,6 +250,8 @@ fn signs(back_end: Box<dyn BackEnd>, setup: &Setup, zero: Zero, highest_v: f64) 
     let voltages = sign_check_voltages(highest_v, RATE_V_S, setup.period_s);
     let mut watch = SignWatch::new(zero, setup.period_s);
     let setup = open_loop_setup(voltages, &setup.live.settings, setup);
+    // A hub that does not move is what the check is to find.
+    let setup = Setup { frozen: FrozenLimit::NEVER, ..setup };
     let (back_end, samples) = driven(back_end, setup, move |sample| watch.enough(sample))?;
     let agree = signs_of(&samples, &zero).map_err(Failure::while_trying("check the signs of the rig"))?;
     let turned = agree.theta_rad.to_degrees();

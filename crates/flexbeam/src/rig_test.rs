@@ -9,12 +9,12 @@ use flexbeam_ident::excitation::SlowRamp;
 use flexbeam_lti::Signals;
 use flexbeam_report::{Cell, Table};
 use flexbeam_rig::{RigParameters, SimulatedRig, open_loop};
-use flexbeam_runtime::Cause;
 use flexbeam_runtime::port::Port;
+use flexbeam_runtime::{Cause, FrozenLimit};
 
 use crate::identify::Hinted;
 use crate::law::{residual_v, test_result, with_thresholds};
-use crate::on_rig::{RigAt, drive_rig, signals_of};
+use crate::on_rig::{RigAt, drive_rig, signals_of, whole_in_memory};
 use crate::port::port;
 use crate::record::MOST_SAMPLES;
 use crate::rig_file::rig_parameters;
@@ -48,7 +48,13 @@ pub fn run(arguments: &cli::RigTest) -> Result<(), Failure> {
     let (found, detection) = match port(&arguments.link.port)? {
         Port::Simulated => breakaway(&parameters, &ramp, arguments.seed)?,
         port => {
-            let rig = RigAt { port: &port, link: &arguments.link, simulated: &parameters, seed: arguments.seed };
+            let rig = RigAt {
+                port: &port,
+                link: &arguments.link,
+                simulated: &parameters,
+                seed: arguments.seed,
+                frozen: FrozenLimit::NEVER,
+            };
             breakaway_at(&rig, arguments.period, &ramp)?
         }
     };
@@ -90,6 +96,7 @@ fn breakaway_at(rig: &RigAt<'_>, period_s: f64, ramp: &SlowRamp) -> Result<(Brea
     if outcome.report.cause != Cause::Over {
         return Err(Failure::Fault(Box::new(BrokenOff(outcome.report.text))));
     }
+    whole_in_memory(&outcome)?;
     found(&signals_of(&samples, period_s)?, &Detection::default())
 }
 

@@ -130,10 +130,17 @@ fn the_paper_s_circle_closes() {
     let bench = Bench::new();
     let rig = RigProcess::udp(&bench, "");
     let port = &rig.port;
-    bench.done(&format!("record --port {port} --duration 6 --hold 60 --max-angle-deg 1e6 -o recording.mcap"));
-    assert_nothing_lost_in_silence(&run_of(&bench, "recording.mcap"));
+    // A machine that stalls cuts the recording into short stretches; then it is made again.
+    for _ in 0..8 {
+        bench.done(&format!("record --port {port} --duration 6 --hold 60 --max-angle-deg 1e6 -o recording.mcap"));
+        let recording = run_of(&bench, "recording.mcap");
+        assert_nothing_lost_in_silence(&recording);
+        if recording.longest_stretch().samples.len() > 3000 {
+            break;
+        }
+    }
     let model = bench.json("identify recording.mcap --block-rows 40 -o model.toml");
-    assert!(number(&model["fit_percent"], "theta_rad") > 60.0, "{}", model["fit_percent"]);
+    assert!(number(&model["fit_percent"], "alpha_rad") > 60.0, "{}", model["fit_percent"]);
     bench.done("design model.toml --stability-degree 1.5 --uncertainty beam");
     bench.done("rig test --apply-to controller.toml");
     bench.done(&format!(
@@ -487,10 +494,14 @@ fn a_controller_for_another_delay_and_senseless_numbers_are_refused() {
 #[test]
 fn limits_of_angle_and_speed_stop_the_rig() {
     let bench = bench();
-    for (limit, named) in [("--max-angle-deg 10", "theta_limit_rad"), ("--max-speed-deg-s 20", "theta_step_limit_rad")]
+    bench.write("slow.toml", &controller().replace("[settings]\n", "[settings]\ntheta_step_limit_rad = 0.0016\n"));
+    for (line, named) in
+        [("controller.toml --max-angle-deg 10", "theta_limit_rad"), ("slow.toml", "theta_step_limit_rad")]
     {
-        let answer = bench.run(&format!("run controller.toml {limit} --duration 3 --hold 60 --force"));
+        let answer = bench.run(&format!("run {line} --duration 3 --hold 60 --force"));
         assert_eq!(answer.status, 3, "{}", answer.err);
         assert_ends_in_fault(&run_of(&bench, "run.mcap"), named);
     }
+    let slow = bench.run("run controller.toml --max-speed-deg-s 20 --duration 0.2 --hold 60 --force");
+    assert!(slow.status == 0 && slow.err.contains("below 220 degree/s the encoder's steps"), "{}", slow.err);
 }

@@ -1,13 +1,15 @@
 //! A recording of a rig on the clock: as a run recording, which keeps everything, or as a table, which cannot have gaps.
 
+use std::cell::Cell;
+
 use flexbeam_files::{Overwrite, RunFile, RunHeader, json_text};
 use flexbeam_lti::Signals;
 use flexbeam_rig::RigParameters;
 use flexbeam_runtime::port::Port;
-use flexbeam_runtime::{Cause, Outcome, RunContext, RunSink, Sample, Sink, run_result};
+use flexbeam_runtime::{Cause, FrozenLimit, Outcome, RunContext, RunSink, Sample, Sink, run_result};
 
 use super::excitation;
-use crate::on_rig::{RigAt, drive_rig, signals_of, whole};
+use crate::on_rig::{RigAt, drive_rig, signals_of, whole, whole_in_memory};
 use crate::output::provenance;
 use crate::port::now_unix_ns;
 use crate::{Failure, cli};
@@ -41,6 +43,7 @@ impl Recording<'_> {
     pub fn as_signals(&self) -> Result<Signals, Failure> {
         let (outcome, samples) = self.driven(|| Ok(Vec::new()))?;
         ended_well(&outcome)?;
+        whole_in_memory(&outcome)?;
         let meter = &outcome.report.meter;
         if meter.missed + meter.stale > 0 {
             let gaps = Gaps { missed: meter.missed, stale: meter.stale };
@@ -57,11 +60,18 @@ impl Recording<'_> {
         let overwrite = if self.arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
         RunFile::check_free(out, overwrite)?;
         let context = RunContext { port: self.port.to_string(), period_s: self.parameters.period_s };
+        let begun = Cell::new(false);
         let sink = || -> Result<Vec<Box<dyn Sink>>, Failure> {
             let file = RunFile::create(out, overwrite, &self.header()?)?;
+            begun.set(true);
             Ok(vec![Box::new(RunSink::new(file, out, context.clone()))])
         };
-        let (outcome, _) = self.driven(sink)?;
+        let (outcome, _) = self.driven(sink).inspect_err(|_| {
+            if begun.get() {
+                // Nothing ran, so nothing is worth keeping.
+                let _ = std::fs::remove_file(RunFile::part_path(out));
+            }
+        })?;
         let result = run_result(&outcome.report, &outcome.recorded, &context, Some(out));
         if self.arguments.json {
             println!("{}", json_text(&result));
@@ -97,7 +107,13 @@ impl Recording<'_> {
         let Recording { arguments, port, parameters } = self;
         let voltages_v = excitation(parameters, arguments.duration, arguments.rms, arguments.seed)
             .map_err(|error| Failure::Input { tried: format!("record {}", arguments.out.display()), error })?;
-        let rig = RigAt { port, link: &arguments.link, simulated: parameters, seed: !arguments.seed };
+        let rig = RigAt {
+            port,
+            link: &arguments.link,
+            simulated: parameters,
+            seed: !arguments.seed,
+            frozen: FrozenLimit::default(),
+        };
         drive_rig(&rig, parameters.period_s, &voltages_v, sinks)
     }
 }

@@ -1,4 +1,5 @@
-//! What a sceptic found in the real-time commands: each test states what a rig's owner would expect. The board is the comedi stand-in, in the program's own process: what it was told last is what stands at the motor.
+//! What a sceptic found in the real-time commands: each test states what the owner of a rig would expect. The board is the
+//! comedi stand-in, in the program's own process: what it was told last is what stands at the motor.
 
 #[allow(dead_code, reason = "each test uses a part")]
 mod rigs;
