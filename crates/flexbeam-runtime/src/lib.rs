@@ -55,7 +55,6 @@ pub use lifecycle::{Event, Phase};
 pub use live::{Live, LiveControl, LiveReader, Refused, live};
 pub use meter::{Meter, PageFaults, Times};
 pub use open_loop::{drive, open_loop_setup};
-pub use real_time_loop::Tempo;
 pub use recorder::Recorded;
 pub use recording::{RunContext, RunSink, run_result, shape_of_file, shape_of_run};
 pub use reference::{Reference, Shape};

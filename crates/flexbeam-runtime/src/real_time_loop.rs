@@ -24,7 +24,7 @@ const MAKES_UP: u64 = 3;
 
 /// The clock and the patience of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tempo {
+pub(crate) struct Tempo {
     /// Sample period [ns].
     pub period_ns: u64,
     /// Longest time that one voltage may stand, and that measurements may fail to come [ns].
