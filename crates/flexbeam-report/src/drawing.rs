@@ -1,7 +1,9 @@
 //! Ink: a laid-out figure becomes SVG.
 
 use crate::figure::{Figure, Mark};
-use crate::layout::{LABEL, LEGEND, LINE_HEIGHT, Layout, MARK, Placed, Rect, SAMPLE_GAP, TICK, TICK_LENGTH, TITLE};
+use crate::layout::{
+    LABEL, LEGEND, LINE_HEIGHT, Layout, MARK, Placed, Rect, SAMPLE_GAP, TICK, TICK_LENGTH, TITLE, exponent,
+};
 use crate::placement::{Room, line_of, shaded};
 use crate::scale::Scale;
 use crate::series::{Colour, Dash, Marker, Series, Shape, stairs, thinned, unbroken};
@@ -253,7 +255,7 @@ impl Ink {
         }
         self.svg.empty("path", &[("class", "ticks"), ("d", &ticks), ("stroke", AXIS)]);
         let at = (frame.x - 2.0 * TICK_LENGTH, frame.y - 8.0);
-        self.exponent(placed.y_ticks.exponent, at, Anchor::End);
+        self.text(&exponent(&placed.y_ticks), at, Style::of(TICK, Anchor::End));
         for (k, line) in placed.y_label.iter().enumerate() {
             let at = (12.0 + LABEL * 0.85 + k as f64 * LINE_HEIGHT, frame.y + frame.height / 2.0);
             self.text(line, at, Style { upwards: true, ..Style::of(LABEL, Anchor::Middle) });
@@ -275,13 +277,7 @@ impl Ink {
         if labelled {
             let base = frame.bottom() + TICK_LENGTH + 2.0 * LINE_HEIGHT + 3.0;
             self.text(label, (frame.x + frame.width / 2.0, base), Style::of(LABEL, Anchor::Middle));
-            self.exponent(placed.x_ticks.exponent, (frame.right(), base), Anchor::End);
-        }
-    }
-
-    fn exponent(&mut self, exponent: i32, at: (f64, f64), anchor: Anchor) {
-        if exponent != 0 {
-            self.text(&format!("×{}", crate::typographic(&format!("1e{exponent}"))), at, Style::of(TICK, anchor));
+            self.text(&exponent(&placed.x_ticks), (frame.right(), base), Style::of(TICK, Anchor::End));
         }
     }
 
@@ -428,6 +424,34 @@ mod tests {
         outside.or_else(|| overlaps.next().map(|(k, i)| format!("{:?} on {:?}", words(k), words(i))))
     }
 
+    /// Span, exponent, offset, logarithmic or not, and number of series.
+    type Drawn = (f64, i32, f64, bool, usize);
+
+    fn drawn(size: (f64, f64), panels: Vec<Drawn>, x: (i32, bool), title: usize) -> Figure {
+        let t: Vec<f64> = (0..50).map(|k| f64::from(k + 1) / 50.0 * 10f64.powi(x.0)).collect();
+        let scale = if x.1 { Scale::Log } else { Scale::Linear };
+        let mut figure = Figure::new(&"title ".repeat(title / 6), "Time [s]").x_scale(scale).size(size.0, size.1);
+        for (span, exponent, offset, log, count) in panels {
+            let mut panel = Panel::new("Deflection angle α [deg]").vertical(t[20], "mode 1").horizontal(0.0, "zero");
+            if log {
+                panel = panel.log_y();
+            }
+            for k in 0..count {
+                let value = |t: &f64| 10f64.powi(exponent) * (offset + span * (7.0 * t + k as f64).sin());
+                panel = panel.line(&format!("series {k}"), &t, &t.iter().map(value).collect::<Vec<_>>());
+            }
+            figure = figure.panel(panel);
+        }
+        figure
+    }
+
+    /// What once collided: two decades upwards on a low panel, where 1-2-5 is too much.
+    #[test]
+    fn a_low_logarithmic_panel_keeps_its_labels_apart() {
+        let panels = vec![(9.124, 0, -2.573, true, 3), (0.0, -4, 2.648, false, 1), (0.0, 0, 0.0, false, 1)];
+        assert_eq!(collision(&drawn((480.0, 400.0), panels, (1, false), 6)), None);
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig { cases: 96, max_shrink_iters: 300, ..ProptestConfig::default() })]
 
@@ -438,21 +462,7 @@ mod tests {
             x in (-3i32..3, any::<bool>()),
             title in 0usize..90,
         ) {
-            let t: Vec<f64> = (0..50).map(|k| f64::from(k + 1) / 50.0 * 10f64.powi(x.0)).collect();
-            let scale = if x.1 { Scale::Log } else { Scale::Linear };
-            let mut figure = Figure::new(&"title ".repeat(title / 6), "Time [s]").x_scale(scale).size(size.0, size.1);
-            for (span, exponent, offset, log, count) in panels {
-                let mut panel = Panel::new("Deflection angle α [deg]").vertical(t[20], "mode 1").horizontal(0.0, "zero");
-                if log {
-                    panel = panel.log_y();
-                }
-                for k in 0..count {
-                    let value = |t: &f64| 10f64.powi(exponent) * (offset + span * (7.0 * t + k as f64).sin());
-                    panel = panel.line(&format!("series {k}"), &t, &t.iter().map(value).collect::<Vec<_>>());
-                }
-                figure = figure.panel(panel);
-            }
-            prop_assert_eq!(collision(&figure), None);
+            prop_assert_eq!(collision(&drawn(size, panels, x, title)), None);
         }
     }
 }

@@ -22,6 +22,8 @@ const ENTRY_GAP: f64 = 22.0;
 const LEGEND_ROW: f64 = 20.0;
 const EDGE: f64 = 12.0;
 const PANEL_GAP: f64 = 18.0;
+/// Between labels that follow one another upwards.
+const AIR: f64 = 4.0;
 const LEAST_RIGHT: f64 = 20.0;
 
 /// Space beside the data, relative to their span.
@@ -100,10 +102,10 @@ impl<'a> Layout<'a> {
         let legends = legends(figure);
         let above: Vec<f64> = axes.iter().zip(&legends).map(|((_, y), l)| above_panel(y, l, figure.width)).collect();
         let heights = panel_heights(figure, &above);
-        let y_ticks: Vec<Ticks> = axes.iter().zip(&heights).map(|((_, y), h)| y.ticks(most_upwards(*h))).collect();
+        let upwards: Vec<Ticks> = axes.iter().zip(&heights).map(|((_, y), h)| y_ticks(y, *h)).collect();
         let labels: Vec<_> =
-            figure.panels.iter().zip(&heights).map(|(p, h)| lines(&p.y_label, h + PANEL_GAP)).collect();
-        let left = left_margin(&y_ticks, &labels);
+            figure.panels.iter().zip(&heights).map(|(p, h)| lines(&p.y_label, h + PANEL_GAP - AIR)).collect();
+        let left = left_margin(&upwards, &labels);
         let ticks = axes.first().map(|(x, _)| x_ticks(x, figure.width - left - LEAST_RIGHT));
         let right = ticks.as_ref().map_or(LEAST_RIGHT, right_margin);
         let mut top = top(figure);
@@ -119,7 +121,7 @@ impl<'a> Layout<'a> {
                 x,
                 y,
                 x_ticks: x_ticks(&x, frame.width),
-                y_ticks: y.ticks(most_upwards(frame.height)),
+                y_ticks: y_ticks(&y, frame.height),
                 y_label: labels[k].clone(),
                 legend: placed_entries(rows, left, first_base),
             });
@@ -220,9 +222,20 @@ fn equal((x, y): (Axis, Axis), frame: &Rect) -> (Axis, Axis) {
     (widened(x, frame.width), widened(y, frame.height))
 }
 
-fn most_upwards(height: f64) -> usize {
+/// As many ticks as the height carries; where not even three labels stand apart, those that do.
+fn y_ticks(y: &Axis, height: f64) -> Ticks {
     const SPACING: f64 = 30.0;
-    (height / SPACING).clamp(3.0, 10.0) as usize
+    let mut ticks = y.ticks((height / SPACING).clamp(3.0, 10.0) as usize);
+    let mut last = f64::NEG_INFINITY;
+    ticks.major.retain(|tick| {
+        let at = y.place(tick.value) * height;
+        let apart = at - last >= TICK;
+        if apart {
+            last = at;
+        }
+        apart
+    });
+    ticks
 }
 
 /// As many ticks as the length carries with air between the labels.
@@ -238,10 +251,19 @@ fn x_ticks(x: &Axis, length: f64) -> Ticks {
 }
 
 fn left_margin(ticks: &[Ticks], labels: &[Vec<String>]) -> f64 {
-    let numbers =
-        ticks.iter().flat_map(|t| &t.major).map(|t| width(&t.label, TICK, Weight::Regular)).fold(0.0, f64::max);
+    let measured = |words: &str| width(words, TICK, Weight::Regular);
+    let of_axis = |t: &Ticks| t.major.iter().map(|t| measured(&t.label)).fold(measured(&exponent(t)), f64::max);
+    let numbers = ticks.iter().map(of_axis).fold(0.0, f64::max);
     let lines = labels.iter().map(Vec::len).max().unwrap_or(0);
     EDGE + lines as f64 * LINE_HEIGHT + 6.0 + numbers + 2.0 * TICK_LENGTH
+}
+
+/// What stands at the end of an axis whose labels are to be multiplied: `×10⁻⁶`, or nothing.
+pub(crate) fn exponent(ticks: &Ticks) -> String {
+    match ticks.exponent {
+        0 => String::new(),
+        exponent => format!("×{}", crate::typographic(&format!("1e{exponent}"))),
+    }
 }
 
 fn right_margin(ticks: &Ticks) -> f64 {

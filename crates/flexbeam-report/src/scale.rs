@@ -207,7 +207,7 @@ impl Axis {
         Ticks { major, minor, exponent: 0 }
     }
 
-    /// Tick sets from coarse to fine: decades with wide steps down to one, then 1-2-5.
+    /// Tick sets from coarse to fine: decades with wide steps down to one, then 1-3, then 1-2-5.
     fn log_candidates(&self) -> Vec<Vec<(u8, i32)>> {
         let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
         let set = |stride: i32, mantissas: &[u8]| -> Vec<(u8, i32)> {
@@ -216,7 +216,7 @@ impl Axis {
             all.filter(|(m, e)| self.inside(power(*m, *e))).collect()
         };
         let mut sets: Vec<_> = [100, 50, 20, 10, 5, 2, 1].iter().map(|stride| set(*stride, &[1])).collect();
-        sets.push(set(1, &[1, 2, 5]));
+        sets.extend([set(1, &[1, 3]), set(1, &[1, 2, 5])]);
         sets
     }
 
