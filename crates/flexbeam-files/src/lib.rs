@@ -29,6 +29,7 @@ mod results;
 mod rig;
 mod run_file;
 mod run_result;
+mod screen;
 mod settings;
 mod stiffness;
 mod summary;
@@ -64,6 +65,7 @@ pub use run_file::{
     RunReference, RunSample, RunShape, RunSummary, RunTopic, RunWriter, SettingValue, Stretch,
 };
 pub use run_result::{LinkCounts, RunResult, ServeResult, TimeQuantiles};
+pub use screen::{Edge, Panel, Scope, ScopeKind, Screen, Trigger, TriggerMode};
 pub use settings::{Channel, Law, Settings};
 pub use stiffness::{NoStiffness, Stiffness};
 pub use summary::{DirectionSummary, IdentificationSummary, LawSummary, PlantTable, ReproduceSummary};
