@@ -100,10 +100,8 @@ export class Connection {
       return;
     }
     if (message.type === "over") this.over = true;
-    if (message.type === "hello") {
-      this.attempts = 0;
-      this.#become("open", "", null);
-    }
+    if (message.type === "hello") this.#become("open", "", null);
+    if (message.type === "state") this.attempts = 0;
     this.onmessage(message);
   }
 

@@ -13,6 +13,7 @@ import { Lateness } from "./lateness.js";
 import { Layout } from "./layout.js";
 import { Readouts } from "./readouts.js";
 import { openResult } from "./result.js";
+import { Sheet } from "./sheet.js";
 import { RunState } from "./state.js";
 import { Store } from "./store.js";
 import { Theme } from "./theme.js";
@@ -47,6 +48,8 @@ function take(message) {
   const isAnother = message.type === "hello" && state.isAnother(message);
   if (isAnother) {
     state.begin();
+    Sheet.open?.close();
+    tell("Another run began at this address.");
     layout.destroy();
     layout = null;
     store = null;
