@@ -33,7 +33,7 @@ export class Layout {
     this.unsaved = element("span", { class: "unsaved", role: "status" });
     this.back = element("button", { type: "button", class: "quiet", text: "Undo layout", onclick: () => this.#revert() });
     this.save = element("button", { type: "button", class: "save", text: "Save to project", onclick: () => this.#save() });
-    return element("header", { class: "bar" }, element("h2", { text: "Scopes" }), this.pauseAll,
+    return element("header", { class: "bar" }, element("h2", { text: "Scopes" }), element("a", { class: "jump", href: "#side", text: "Settings" }), this.pauseAll,
       element("button", { type: "button", class: "quiet", text: "Add scope", onclick: () => this.#addScope() }),
       element("span", { class: "gap" }), this.unsaved, this.back, this.save);
   }
@@ -52,7 +52,7 @@ export class Layout {
       store, signals: hello.signals, scope: structuredClone(scope), period_s: hello.run.period_s,
       onchange: () => this.#changed(),
       onremove: () => this.#remove(this.scopeCards, card),
-      onmove: (way) => this.#move(this.scopeCards, card, way),
+      onmove: (_, way) => this.#move(this.scopeCards, card, way),
     });
     return card;
   }

@@ -46,17 +46,16 @@ export class Slider {
 
   /**
    * Shows the value in force and whether it may be changed.
-   * @param {{value: number, why: string|null, knob: Object}} now value in SI; why: the reason why nothing may be changed
+   * @param {{value: number, why: string|null}} now value in SI; why: the reason why nothing may be changed
    */
-  update({ value, why, knob }) {
-    const unlimited = this.knob !== knob;
-    this.knob = knob;
+  update({ value, why }) {
+    const { knob } = this;
     const isLocked = why !== null || knob.why_fixed !== null;
     this.entry.disabled = this.range.disabled = isLocked;
     attribute(this.element, "title", knob.why_fixed ?? why);
     this.element.classList.toggle("fixed", knob.why_fixed !== null);
     if (knob.why_fixed !== null) write(this.note, `Fixed: ${knob.why_fixed}`);
-    if (Object.is(value, this.value) && !unlimited) return;
+    if (Object.is(value, this.value)) return;
     this.value = value;
     this.#show();
   }
@@ -67,11 +66,11 @@ export class Slider {
     const shown = this.value * this.knob.factor;
     this.#stretch(shown);
     this.range.value = shown;
-    if (document.activeElement !== this.entry || !this.isEdited()) this.entry.value = this.#text(shown);
+    if (document.activeElement !== this.entry || !this.#isEdited) this.entry.value = this.#text(shown);
     this.#describe(shown);
   }
 
-  isEdited() {
+  get #isEdited() {
     return this.entry.value !== this.written;
   }
 
@@ -162,7 +161,7 @@ export class Slider {
 
   #entryKey(event) {
     if (event.key === "Enter") this.#enter();
-    if (event.key === "Escape" && this.isEdited()) {
+    if (event.key === "Escape" && this.#isEdited) {
       event.preventDefault();
       this.entry.value = this.written;
       this.entry.select();
@@ -171,7 +170,7 @@ export class Slider {
 
   /** What was typed goes out as it was typed, to the last digit. */
   #enter() {
-    if (!this.isEdited()) return;
+    if (!this.#isEdited) return;
     const { unit, decimals } = this.knob;
     const number = typed(this.entry.value, unit);
     if (Number.isNaN(number)) {

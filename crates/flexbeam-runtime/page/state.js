@@ -89,7 +89,7 @@ export class RunState {
   /** Why the run cannot be stopped from here; null when it can. */
   get whyNoStop() {
     if (this.hasEnded) return "The run is over; the rig is at 0 V.";
-    if (!this.isLive) return "No connection: this page cannot reach the rig.";
+    if (!this.isLive) return "No connection to the rig.";
     return this.hasToken ? null : whyNoToken(this.hello);
   }
 

@@ -14,7 +14,7 @@ export class Viewers {
     this.why = element("p", { class: "why" });
     this.button = element("button", { type: "button", class: "main", onclick: () => this.#press() });
     this.name = element("input", { type: "text", maxlength: 24, autocomplete: "off", spellcheck: "false" });
-    this.token_entry = element("input", { type: "text", autocomplete: "off", spellcheck: "false", "aria-describedby": "token-why" });
+    this.token_entry = element("input", { type: "text", autocomplete: "off", spellcheck: "false" });
     this.rename_form = form("Name of this viewer", this.name, "Rename", () => this.rename(this.name.value.trim()));
     this.token_form = form("Token", this.token_entry, "Enter", () => this.token(this.token_entry.value.trim()));
     this.root.append(element("h2", { text: "Control" }), this.why, this.button, this.token_form, this.list, this.rename_form);
