@@ -103,8 +103,10 @@ export class TimeChart extends Chart {
   }
 
   heights(hidden, begin, end, now_ms) {
-    const last = this.frozen ? Math.min(end, this.frozen.last + 1) : end;
-    return this.fitValues(hidden, now_ms, (group) => extentShown(this.store, group, begin, last));
+    const last = Math.min(end, this.newest + 1);
+    // A sweep that has only begun must not shrink the axes: what came before it counts, too.
+    const from = this.rolls ? begin : Math.min(begin, last - (end - begin));
+    return this.fitValues(hidden, now_ms, (group) => extentShown(this.store, group, from, last));
   }
 
   /** The trigger's noise follows the axis of its signal. */
