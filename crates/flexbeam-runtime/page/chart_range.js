@@ -10,34 +10,48 @@ const ROOM = 0.06;
 const LOOSE = 0.6;
 /** ... for this long [ms]. */
 const PATIENCE_MS = 1500;
+/** A shared nought may make an axis this many times as long as its data need. */
+const WASTE = 2.6;
 /** Divisions of an axis that is fitted. */
 const DIVISIONS = 6;
 
 /**
  * Ends around [low, high], and the step that they are multiples of.
+ * @param {boolean} grounded data that begin at nought have no room below
  * @returns {{low: number, high: number, step: number}}
  */
-export function fit(low, high) {
+export function fit(low, high, grounded = false) {
   if (!(low <= high)) return fit(-0.9, 0.9);
   // A constant has no height of its own: a twentieth of its size, or one unit around nought.
   const height = high - low || Math.abs(high) * 0.05 || 1;
   const step = stepAbove(height / DIVISIONS);
   const room = ROOM * height;
-  return { low: Math.floor((low - room) / step) * step, high: Math.ceil((high + room) / step) * step, step };
+  const below = grounded && low === 0 ? 0 : room;
+  return { low: Math.floor((low - below) / step) * step, high: Math.ceil((high + room) / step) * step, step };
 }
 
 /**
- * Ends around [low, high] with exactly `divisions` steps, so that two axes share one grid.
+ * Ends around [low, high] on the grid of another axis: as many steps, and nought on the same line where both have it.
+ * @param {{low: number, high: number, step: number}} other
  * @returns {{low: number, high: number, step: number}}
  */
-export function fitDivisions(low, high, divisions) {
-  const tight = fit(low, high);
+export function fitBeside(low, high, other, grounded = false) {
+  const divisions = Math.round((other.high - other.low) / other.step);
+  const nought = Math.round(-other.low / other.step);
+  const tight = fit(low, high, grounded);
+  if (nought >= 0 && nought <= divisions && tight.low <= 0 && tight.high >= 0) {
+    // Above nought and below it as many divisions as the other axis has.
+    const least = Math.max(nought > 0 ? -tight.low / nought : 0, nought < divisions ? tight.high / (divisions - nought) : 0);
+    const step = stepAbove(least);
+    const covers = -nought * step <= tight.low && (divisions - nought) * step >= tight.high;
+    if (covers && divisions * step <= WASTE * (tight.high - tight.low)) return { low: -nought * step, high: (divisions - nought) * step, step };
+  }
   for (let step = stepAbove((tight.high - tight.low) / divisions); ; step = stepAbove(step * 1.01)) {
     const bottom = Math.floor(tight.low / step + 1e-9);
     const spare = divisions - (Math.ceil(tight.high / step - 1e-9) - bottom);
     if (spare < 0) continue;
-    const shift = low >= 0 && bottom >= 0 ? Math.min(bottom, Math.floor(spare / 2)) : Math.floor(spare / 2);
-    return { low: (bottom - shift) * step, high: (bottom - shift + divisions) * step, step };
+    const from = bottom - Math.floor(spare / 2);
+    return { low: from * step, high: (from + divisions) * step, step };
   }
 }
 

@@ -10,9 +10,13 @@ import { themeChanged } from "./colours.js";
 import { Legend } from "./scope_legend.js";
 import { element, menu, retool, tool } from "./scope_parts.js";
 import { Readings } from "./scope_readings.js";
+import { ScopeSheet } from "./scope_sheet.js";
+import { takeSnapshot } from "./snapshot.js";
+import { SpectrumChart } from "./spectrum.js";
+import { XyChart } from "./xy.js";
 
 /** Kinds of plots. */
-const CHARTS = { time: TimeChart };
+const CHARTS = { time: TimeChart, xy: XyChart, spectrum: SpectrumChart };
 /** Numbers change at most this often [ms]; the words for a screen reader less often. */
 const NUMBERS_MS = 100;
 const WORDS_MS = 2000;
@@ -68,8 +72,11 @@ export class ScopeCard {
       back: tool("back", "Zoom back", () => this.back()),
       trigger: tool("trigger", "Trigger", () => this.toggleTrigger(), false),
     };
-    const entries = [["Move up", move(-1)], ["Move down", move(1)], ["Remove", () => onremove(this)]];
-    const bar = element("div", { class: "scope-tools", role: "toolbar" }, ...Object.values(this.tools), ...menu("More", entries));
+    const settings = tool("settings", "Signals and settings", () => this.openSheet());
+    this.styles = spectrumStyles(this);
+    const shot = (kind) => () => this.snapshot(kind);
+    const entries = [["Picture (PNG)", shot("png")], ["Drawing (SVG)", shot("svg")], ["Samples (CSV)", shot("csv")], ["Move up", move(-1)], ["Move down", move(1)], ["Remove", () => onremove(this)]];
+    const bar = element("div", { class: "scope-tools", role: "toolbar" }, ...this.styles, ...Object.values(this.tools), settings, ...menu("More", entries));
     this.head = element("header", { class: "scope-head" }, this.title, this.state, bar);
     this.element = element("section", { class: "scope" }, this.head, this.gone, this.plot, this.readings.element);
     this.gestures = new Gestures(this.plot, this);
@@ -90,6 +97,17 @@ export class ScopeCard {
     this.offerSpans();
     this.setPressed();
     this.changed();
+  }
+
+  openSheet() {
+    const ends = this.chart.axes?.y[0] ?? null;
+    return new ScopeSheet({ scope: this.config, signals: this.all, ends, ontake: (scope) => this.take(scope) });
+  }
+
+  /** The scope of the settings sheet. */
+  take(scope) {
+    this.title.value = scope.title;
+    this.change({ range: null, trigger: null, ...scope });
   }
 
   /** What cannot be drawn, and why. */
@@ -120,8 +138,8 @@ export class ScopeCard {
       this.changed();
     });
     this.resize.observe(this.plot);
-    this.sight = new IntersectionObserver(([entry]) => (this.seen = entry.isIntersecting), { rootMargin: "80px" });
-    this.sight.observe(this.element);
+    this.watcher = new IntersectionObserver(([entry]) => (this.seen = entry.isIntersecting), { rootMargin: "80px" });
+    this.watcher.observe(this.element);
   }
 
   /** To be drawn again at the next frame. */
@@ -133,9 +151,7 @@ export class ScopeCard {
   change(part) {
     Object.assign(this.config, part);
     for (const key of ["range", "trigger"]) if (this.config[key] === null) delete this.config[key];
-    const cursors = this.chart.cursors;
     this.rebuild();
-    if (cursors && this.chart.cursors) this.chart.cursors.on = false;
     this.pause(false);
     this.onchange(this);
   }
@@ -193,6 +209,28 @@ export class ScopeCard {
     this.changed();
   }
 
+  /** Turns a style of the spectrum on or off. */
+  restyle(name) {
+    this.chart[name] = !this.chart[name];
+    this.chart.restyled();
+    this.setPressed();
+    this.changed();
+  }
+
+  /** Offers what one sees as a file. */
+  snapshot(kind, when = new Date()) {
+    if (!this.chart.axes) return undefined;
+    this.changed();
+    return takeSnapshot(kind, this.sight(when), when, devicePixelRatio);
+  }
+
+  sight(when) {
+    const { width, height } = this.size;
+    const run = this.store.count > 0 ? `, run time ${seconds(this.chart.newest * this.store.period_s, 3)}` : "";
+    const stamp = `${when.toLocaleString("sv-SE")}${run}`;
+    return { chart: this.chart, hidden: this.hidden, title: this.config.title, stamp, width, height, now_ms: this.now_ms };
+  }
+
   /** Keys of the plot that are not the gestures' own. */
   key(name) {
     const action = { " ": () => this.pause(!this.paused), c: () => this.toggleCursors(), t: () => this.toggleTrigger(), z: () => this.back(), 0: () => this.back() }[name];
@@ -206,6 +244,11 @@ export class ScopeCard {
     cursors.setAttribute("aria-pressed", this.chart.cursors?.on ?? false);
     trigger.setAttribute("aria-pressed", Boolean(this.config.trigger));
     trigger.hidden = this.config.kind !== "time";
+    cursors.hidden = !this.chart.cursors;
+    for (const style of this.styles) {
+      style.hidden = this.config.kind !== "spectrum";
+      style.setAttribute("aria-pressed", Boolean(this.chart[style.value]));
+    }
   }
 
   /**
@@ -218,6 +261,7 @@ export class ScopeCard {
     const stamp = `${this.chart.stamp(now_ms)} ${devicePixelRatio}`;
     if (stamp === this.stamp) return;
     this.stamp = stamp;
+    this.now_ms = now_ms;
     this.fitCanvas();
     this.chart.compose(this.frame, this.hidden, now_ms);
     this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
@@ -236,7 +280,7 @@ export class ScopeCard {
     this.numbers_ms = now_ms;
     this.legend.update(this.store);
     this.tools.back.disabled = !this.chart.view.zoomed;
-    this.readings.show(this.chart.cursors?.on ? this.chart.table(this.hidden) : null);
+    this.readings.show(this.chart.table(this.hidden));
     this.showState();
     if (now_ms - this.words_ms < WORDS_MS) return;
     this.words_ms = now_ms;
@@ -279,9 +323,18 @@ export class ScopeCard {
 
   destroy() {
     this.resize.disconnect();
-    this.sight.disconnect();
+    this.watcher.disconnect();
     this.element.remove();
   }
+}
+
+/** How a spectrum is drawn: of this page only, not saved. */
+function spectrumStyles(card) {
+  const names = [["decibels", "dB", "Amplitude in decibels"], ["logarithmic", "log f", "Frequency by decades"]];
+  return names.map(([value, text, title]) => {
+    const onclick = () => card.restyle(value);
+    return element("button", { type: "button", class: "scope-tool scope-word", value, text, title, "aria-label": title, onclick });
+  });
 }
 
 function spanText(span_s) {
