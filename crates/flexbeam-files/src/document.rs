@@ -138,6 +138,18 @@ fn located(root: &DeValue<'_>, path: &[Step]) -> Option<usize> {
     offset
 }
 
+/// A fault of the value under these keys of a document on disk, with its place while it can be found.
+pub(crate) fn fault_under(source: &Path, keys: &[&str], fault: Fault) -> Error {
+    let fault = Error::new(Tried::Read, source, fault);
+    let Ok(text) = std::fs::read_to_string(source) else { return fault };
+    let Ok(table) = parse_table(&text, source, Tried::Read) else { return fault };
+    let path: Vec<Step> = keys.iter().map(|key| Step::Key((*key).into())).collect();
+    match located(&DeValue::Table(table), &path) {
+        Some(offset) => fault.at_offset(&text, offset),
+        None => fault,
+    }
+}
+
 /// The schema that a file names; nothing for a recording in CSV or any other file that names none.
 ///
 /// Errors: those of [`read_bytes`]; [`Fault::Syntax`] for a document that is damaged.

@@ -170,6 +170,24 @@ pub enum Fault {
         /// The range in words.
         needed: &'static str,
     },
+    /// A setting beyond a limit that the same file states.
+    Beyond {
+        /// The setting's key, with its tables.
+        key: String,
+        /// The setting.
+        found: f64,
+        /// The limit.
+        most: f64,
+        /// The limit's key, with its table.
+        limit: &'static str,
+    },
+    /// The name of a file that is not there.
+    NoSuchFile {
+        /// The key, with its tables.
+        key: String,
+        /// The name as it is written.
+        path: String,
+    },
     /// A matrix whose shape does not fit the others.
     Shape {
         /// The key, with its tables.
@@ -251,6 +269,8 @@ impl Fault {
             Fault::WrongType { key, found, .. } => format!("{key}: {found}"),
             Fault::Choice { key, found, .. } => format!("{key} = {found:?}"),
             Fault::Range { key, found, .. } => format!("{key} = {found}"),
+            Fault::Beyond { key, found, .. } => format!("{key} = {found}"),
+            Fault::NoSuchFile { key, path } => format!("{key} = {path:?}, where no file is"),
             Fault::Shape { key, found_rows, found_columns, .. } => format!("{key} is {found_rows} x {found_columns}"),
             Fault::Length { key, found, .. } => format!("{key} has {}", counted(*found, "entry", "")),
             Fault::EmptyList { key } => format!("nothing in {key}"),
@@ -291,6 +311,8 @@ impl Fault {
             Fault::WrongType { needed, .. } => needed.clone(),
             Fault::Choice { choices, .. } => format!("one of {}", choices.join(", ")),
             Fault::Range { needed, .. } => (*needed).into(),
+            Fault::Beyond { most, limit, .. } => format!("at most {most}, as {limit} says"),
+            Fault::NoSuchFile { .. } => "an existing file, as seen from the folder of this one".into(),
             Fault::Shape { needed_rows, needed_columns, .. } => format!("{needed_rows} x {needed_columns}"),
             Fault::Length { needed, .. } => needed.to_string(),
             Fault::EmptyList { .. } => "at least one entry".into(),
@@ -339,6 +361,8 @@ impl Fault {
             Fault::OneOf { .. } => "take one of the two out".into(),
             Fault::WrongType { .. } => "compare with a file that flexbeam wrote".into(),
             Fault::Range { .. } => "check the sign and the unit in the key's name".into(),
+            Fault::Beyond { .. } => "tighten the setting, or loosen the limit as far as the rig permits".into(),
+            Fault::NoSuchFile { .. } => "make it, or name the one that is meant".into(),
             Fault::Shape { .. } | Fault::Length { .. } => {
                 "A has a row for each state, B a column for each input, C a row for each output; rows are equally long"
                     .into()

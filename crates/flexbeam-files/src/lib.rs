@@ -51,7 +51,7 @@ pub use matrices::{Matrices, Rows, pairs};
 pub use misfit::Misfit;
 pub use model::{Axis, Identification, Model, Physical, Uncertainty, Validation};
 pub use note::Note;
-pub use project::Project;
+pub use project::{Project, ProjectLimits, ProjectReference, ProjectRun};
 pub use provenance::{Parent, Provenance, State, Step, trace};
 pub use recording::{FEWEST_ROWS, Layout, PERIOD_TOLERANCE, Recording, STEP_TOLERANCE, write_signals};
 pub use results::{

@@ -32,6 +32,25 @@ impl Misfit {
         Misfit::new(Fault::EmptyList { key: String::new() }).under(key)
     }
 
+    /// A word that is none of the choices.
+    pub(crate) fn not_among(found: &str, choices: &[&str]) -> Misfit {
+        Misfit::new(Fault::Choice {
+            key: String::new(),
+            found: found.into(),
+            choices: choices.iter().map(|c| (*c).into()).collect(),
+            nearest: nearest(found, choices),
+        })
+    }
+
+    /// A key that is none of the known ones.
+    pub(crate) fn unknown_key(key: &str, known: &[&str]) -> Misfit {
+        Misfit::new(Fault::UnknownKey {
+            key: key.into(),
+            known: known.iter().map(|k| (*k).into()).collect(),
+            nearest: nearest(key, known),
+        })
+    }
+
     /// The same, seen from one table further up.
     pub(crate) fn under(mut self, key: &str) -> Misfit {
         self.path.insert(0, Step::Key(key.into()));
@@ -89,6 +108,8 @@ impl Fault {
             | Fault::WrongType { key, .. }
             | Fault::Choice { key, .. }
             | Fault::Range { key, .. }
+            | Fault::Beyond { key, .. }
+            | Fault::NoSuchFile { key, .. }
             | Fault::Shape { key, .. }
             | Fault::EmptyList { key }
             | Fault::Length { key, .. } => Some(key),
@@ -124,20 +145,11 @@ impl de::Error for Misfit {
     }
 
     fn unknown_variant(found: &str, choices: &'static [&'static str]) -> Misfit {
-        Misfit::new(Fault::Choice {
-            key: String::new(),
-            found: found.into(),
-            choices: choices.iter().map(|c| (*c).into()).collect(),
-            nearest: nearest(found, choices),
-        })
+        Misfit::not_among(found, choices)
     }
 
     fn unknown_field(key: &str, known: &'static [&'static str]) -> Misfit {
-        Misfit::new(Fault::UnknownKey {
-            key: key.into(),
-            known: known.iter().map(|k| (*k).into()).collect(),
-            nearest: nearest(key, known),
-        })
+        Misfit::unknown_key(key, known)
     }
 
     fn missing_field(key: &'static str) -> Misfit {

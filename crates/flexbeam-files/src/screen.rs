@@ -2,6 +2,7 @@
 
 use crate::misfit::Misfit;
 use crate::model::out_of_range;
+use crate::run_file::{LiveSettings, RunSample};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -119,39 +120,62 @@ fn a_tenth() -> f64 {
 }
 
 impl Screen {
-    /// Errors: [`Fault::Range`](crate::Fault::Range).
+    /// Errors: [`Fault::Choice`](crate::Fault::Choice) for a signal or a setting that is gone,
+    /// [`Fault::UnknownKey`](crate::Fault::UnknownKey), [`Fault::Range`](crate::Fault::Range).
     pub fn check(&self) -> Result<(), Misfit> {
-        for (k, scope) in self.scopes.iter().enumerate() {
-            scope.check().map_err(|misfit| misfit.in_entry(k).under("scope"))?;
-        }
-        for (k, panel) in self.panels.iter().enumerate() {
-            panel.check().map_err(|misfit| misfit.in_entry(k).under("panel"))?;
-        }
-        Ok(())
+        each(&self.scopes, Scope::check).map_err(|misfit| misfit.under("scope"))?;
+        each(&self.panels, Panel::check).map_err(|misfit| misfit.under("panel"))
     }
+}
+
+fn each<T>(entries: &[T], check: impl Fn(&T) -> Result<(), Misfit>) -> Result<(), Misfit> {
+    entries.iter().enumerate().try_for_each(|(k, entry)| check(entry).map_err(|misfit| misfit.in_entry(k)))
+}
+
+fn check_name(name: &str, known: &[&str]) -> Result<(), Misfit> {
+    if known.contains(&name) { Ok(()) } else { Err(Misfit::not_among(name, known)) }
 }
 
 impl Scope {
     fn check(&self) -> Result<(), Misfit> {
+        each(&self.signals, |name| check_name(name, RunSample::SIGNALS)).map_err(|misfit| misfit.under("signals"))?;
         if !(self.span_s > 0.0 && self.span_s.is_finite()) {
             return Err(out_of_range("span_s", self.span_s, "a positive number"));
         }
         self.range.map_or(Ok(()), |ends| check_ends("range", ends))?;
-        let Some(trigger) = &self.trigger else { return Ok(()) };
-        if !(0.0..=1.0).contains(&trigger.before) {
-            return Err(out_of_range("before", trigger.before, "0 to 1").under("trigger"));
+        self.trigger.as_ref().map_or(Ok(()), Trigger::check).map_err(|misfit| misfit.under("trigger"))
+    }
+}
+
+impl Trigger {
+    fn check(&self) -> Result<(), Misfit> {
+        check_name(&self.signal, RunSample::SIGNALS).map_err(|misfit| misfit.under("signal"))?;
+        if !self.level.is_finite() {
+            return Err(out_of_range("level", self.level, "a finite number"));
         }
-        Ok(())
+        if (0.0..=1.0).contains(&self.before) { Ok(()) } else { Err(out_of_range("before", self.before, "0 to 1")) }
     }
 }
 
 impl Panel {
     fn check(&self) -> Result<(), Misfit> {
+        each(&self.settings, |key| check_name(key, LiveSettings::KEYS)).map_err(|misfit| misfit.under("settings"))?;
         let mut ranges = self.ranges.iter();
-        ranges.try_for_each(|(key, ends)| check_ends(key, *ends).map_err(|misfit| misfit.under("ranges")))
+        ranges.try_for_each(|(key, ends)| check_range(key, *ends)).map_err(|misfit| misfit.under("ranges"))
     }
 }
 
+/// A slider has a number, not a word.
+fn check_range(key: &str, ends: [f64; 2]) -> Result<(), Misfit> {
+    let mut numbers = LiveSettings::KEYS.to_vec();
+    numbers.retain(|key| !LiveSettings::WORDS.contains(key));
+    if !numbers.contains(&key) {
+        return Err(Misfit::unknown_key(key, &numbers));
+    }
+    check_ends(key, ends)
+}
+
 fn check_ends(key: &str, [low, high]: [f64; 2]) -> Result<(), Misfit> {
-    if low < high { Ok(()) } else { Err(out_of_range(key, high, "an upper end above the lower one")) }
+    let ends = low < high && low.is_finite() && high.is_finite();
+    if ends { Ok(()) } else { Err(out_of_range(key, high, "an upper end above the lower one, both finite")) }
 }

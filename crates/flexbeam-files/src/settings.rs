@@ -73,26 +73,58 @@ pub struct Channel {
 }
 
 impl Settings {
+    /// These settings, with those of `other` in their place where it has any.
+    pub fn with(&self, other: &Settings) -> Settings {
+        let or = |other: Option<f64>, own: Option<f64>| other.or(own);
+        let channel = |other: &Option<Channel>, own: &Option<Channel>| {
+            let (Some(other), Some(own)) = (other, own) else { return other.clone().or_else(|| own.clone()) };
+            Some(Channel {
+                scale: or(other.scale, own.scale),
+                offset_rad: or(other.offset_rad, own.offset_rad),
+                low_pass: or(other.low_pass, own.low_pass),
+            })
+        };
+        Settings {
+            law: other.law.or(self.law),
+            u_p_plus_v: or(other.u_p_plus_v, self.u_p_plus_v),
+            u_p_minus_v: or(other.u_p_minus_v, self.u_p_minus_v),
+            eps_u_v: or(other.eps_u_v, self.eps_u_v),
+            eps_e_rad: or(other.eps_e_rad, self.eps_e_rad),
+            hysteresis_u: or(other.hysteresis_u, self.hysteresis_u),
+            hysteresis_e: or(other.hysteresis_e, self.hysteresis_e),
+            breakaway_plus_v: or(other.breakaway_plus_v, self.breakaway_plus_v),
+            breakaway_minus_v: or(other.breakaway_minus_v, self.breakaway_minus_v),
+            voltage_limit_v: or(other.voltage_limit_v, self.voltage_limit_v),
+            deflection_limit_rad: or(other.deflection_limit_rad, self.deflection_limit_rad),
+            theta_limit_rad: or(other.theta_limit_rad, self.theta_limit_rad),
+            theta_step_limit_rad: or(other.theta_step_limit_rad, self.theta_step_limit_rad),
+            smooth_ticks: or(other.smooth_ticks, self.smooth_ticks),
+            smooth_step_rad: or(other.smooth_step_rad, self.smooth_step_rad),
+            theta: channel(&other.theta, &self.theta),
+            alpha: channel(&other.alpha, &self.alpha),
+        }
+    }
+
     /// Errors: [`Fault::Range`](crate::Fault::Range).
     pub(crate) fn check(&self) -> Result<(), Misfit> {
-        let not_negative = [
-            ("u_p_plus_v", self.u_p_plus_v),
-            ("u_p_minus_v", self.u_p_minus_v),
-            ("eps_u_v", self.eps_u_v),
-            ("eps_e_rad", self.eps_e_rad),
-            ("hysteresis_u", self.hysteresis_u),
-            ("hysteresis_e", self.hysteresis_e),
-            ("breakaway_plus_v", self.breakaway_plus_v),
-            ("breakaway_minus_v", self.breakaway_minus_v),
-            ("voltage_limit_v", self.voltage_limit_v),
-            ("deflection_limit_rad", self.deflection_limit_rad),
-            ("theta_limit_rad", self.theta_limit_rad),
-            ("theta_step_limit_rad", self.theta_step_limit_rad),
-            ("smooth_ticks", self.smooth_ticks),
-            ("smooth_step_rad", self.smooth_step_rad),
+        let numbers = [
+            ("u_p_plus_v", self.u_p_plus_v, NOT_NEGATIVE),
+            ("u_p_minus_v", self.u_p_minus_v, NOT_NEGATIVE),
+            ("eps_u_v", self.eps_u_v, NOT_NEGATIVE),
+            ("eps_e_rad", self.eps_e_rad, NOT_NEGATIVE),
+            ("hysteresis_u", self.hysteresis_u, NOT_NEGATIVE),
+            ("hysteresis_e", self.hysteresis_e, SHARE),
+            ("breakaway_plus_v", self.breakaway_plus_v, NOT_NEGATIVE),
+            ("breakaway_minus_v", self.breakaway_minus_v, NOT_NEGATIVE),
+            ("voltage_limit_v", self.voltage_limit_v, NOT_NEGATIVE),
+            ("deflection_limit_rad", self.deflection_limit_rad, POSITIVE),
+            ("theta_limit_rad", self.theta_limit_rad, POSITIVE),
+            ("theta_step_limit_rad", self.theta_step_limit_rad, POSITIVE),
+            ("smooth_ticks", self.smooth_ticks, NOT_NEGATIVE),
+            ("smooth_step_rad", self.smooth_step_rad, POSITIVE),
         ];
-        if let Some((key, found)) = not_negative.into_iter().find_map(|(key, x)| Some((key, x.filter(|x| *x < 0.0)?))) {
-            return Err(out_of_range(key, found, "zero or a positive number"));
+        for (key, found, (holds, needed)) in numbers {
+            found.filter(|x| !holds(*x)).map_or(Ok(()), |found| Err(out_of_range(key, found, needed)))?;
         }
         for (name, channel) in [("theta", &self.theta), ("alpha", &self.alpha)] {
             channel.as_ref().map_or(Ok(()), Channel::check).map_err(|misfit| misfit.under(name))?;
@@ -100,6 +132,13 @@ impl Settings {
         Ok(())
     }
 }
+
+/// A range, and how it is called.
+type Range = (fn(f64) -> bool, &'static str);
+
+const NOT_NEGATIVE: Range = (|x| x >= 0.0, "zero or a positive number");
+const POSITIVE: Range = (|x| x > 0.0, "a positive number");
+const SHARE: Range = (|x| (0.0..=1.0).contains(&x), "0 to 1");
 
 impl Channel {
     fn check(&self) -> Result<(), Misfit> {

@@ -1,6 +1,7 @@
 //! The command line as types. Names, defaults and units of DESIGN section 10.
 
 mod export;
+mod given;
 mod rig;
 mod run;
 #[cfg(feature = "foxglove")]
@@ -13,6 +14,7 @@ use flexbeam_ident::Order;
 
 use crate::nominal::Nominal;
 pub use export::{Export, Form};
+pub use given::Given;
 pub use rig::{Experiment, Rig, RigTest, ServeRig};
 pub use run::{RigLink, Run, Signal, Tell, What};
 #[cfg(feature = "foxglove")]
@@ -50,7 +52,7 @@ pub enum Command {
     Simulate(Simulate),
     /// Real time: the controller on the clock, on a rig
     #[command(allow_negative_numbers = true)]
-    Run(Run),
+    Run(Given<Run>),
     /// Steer a run over its control socket
     #[command(allow_negative_numbers = true)]
     Tell(Tell),
@@ -258,7 +260,7 @@ pub struct Design {
 /// `flexbeam verify`
 #[derive(Args, Debug)]
 pub struct Verify {
-    /// Controller file
+    /// Controller file, or a project
     pub controller: PathBuf,
     /// Runs of the Monte Carlo on the simulated rig; 0 leaves it out
     #[arg(long, default_value_t = 1000)]
@@ -266,7 +268,7 @@ pub struct Verify {
     /// Seed of the Monte Carlo
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Rig file; the paper's rig by default
+    /// Rig file; the project's by default, else the paper's rig
     #[arg(long)]
     pub rig: Option<PathBuf>,
     /// One JSON object on standard output
@@ -277,9 +279,9 @@ pub struct Verify {
 /// `flexbeam simulate`
 #[derive(Args, Debug)]
 pub struct Simulate {
-    /// Controller file
+    /// Controller file, or a project
     pub controller: PathBuf,
-    /// Rig file; the paper's rig with three modes by default
+    /// Rig file; the project's by default, else the paper's rig with three modes
     #[arg(long)]
     pub rig: Option<PathBuf>,
     /// Step of the tip angle [degree]
@@ -317,9 +319,9 @@ pub enum Law {
 }
 
 /// `flexbeam show`
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct Show {
-    /// A recording, model, controller, certificate, rig or project file
+    /// A recording, model, controller, certificate or rig file, or a project
     pub file: PathBuf,
     /// Names of a recording's white-space columns, in order
     #[arg(long, value_delimiter = ',')]

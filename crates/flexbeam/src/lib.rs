@@ -15,6 +15,7 @@ mod on_rig;
 mod output;
 mod poles;
 mod port;
+mod project;
 mod record;
 mod reproduce;
 mod response;

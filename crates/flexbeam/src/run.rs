@@ -2,6 +2,7 @@
 
 mod certified;
 mod lines;
+mod project;
 mod reference;
 mod terminal;
 #[cfg(feature = "foxglove")]
@@ -25,6 +26,7 @@ use crate::output::{provenance, say};
 use crate::port::{self, now_unix_ns};
 use crate::response::rig_at;
 use crate::{Failure, cli};
+use project::Asked;
 
 /// Something about the run that makes no sense.
 #[derive(Debug, thiserror::Error)]
@@ -43,11 +45,13 @@ enum NoRun {
 struct Stopped(String);
 
 /// Runs the command.
-pub fn run(arguments: &cli::Run) -> Result<(), Failure> {
-    let plan = Plan::of(arguments)?;
+pub fn run(given: &cli::Given<cli::Run>) -> Result<(), Failure> {
+    let asked = Asked::of(given)?;
+    let arguments = &asked.arguments;
+    let plan = Plan::of(&asked)?;
     let mut places = Places::take(arguments)?;
     let (rig, setup) = plan.rig_at_rest(arguments)?;
-    let running = plan.armed(arguments, &places, rig, setup)?;
+    let running = plan.armed(&asked, &places, rig, setup)?;
     let _socket = places.serve(&running.steering)?;
     watch(arguments, &plan, &running);
     answer(arguments, running.session.finish(), &running.context)
@@ -112,15 +116,16 @@ struct Plan {
 }
 
 impl Plan {
-    fn of(arguments: &cli::Run) -> Result<Plan, Failure> {
-        let file = Controller::read(&arguments.controller)?;
+    fn of(asked: &Asked) -> Result<Plan, Failure> {
+        let arguments = &asked.arguments;
+        let file = asked.over(Controller::read(&arguments.controller)?);
         let tried = format!("run {}", arguments.controller.display());
         check(arguments, &file).map_err(Failure::while_trying(tried.clone()))?;
         let port = port::port(&arguments.link.port)?;
         let overrides = certified::check(&file, &tried, arguments.unverified.as_deref())?;
         Ok(Plan {
             rig: rig_at(arguments.rig.as_deref(), file.period_s)?,
-            setup: setup(arguments, &file)?,
+            setup: setup(asked, &file)?,
             overrides: overrides.into_iter().collect(),
             port,
             tried,
@@ -142,15 +147,11 @@ impl Plan {
     /// The clock runs, the recording has begun.
     ///
     /// Errors: a recording that cannot be written, a run that cannot be armed; then nothing stays behind.
-    fn armed(
-        &self,
-        arguments: &cli::Run,
-        places: &Places,
-        rig: Box<dyn BackEnd>,
-        setup: Setup,
-    ) -> Result<Running, Failure> {
-        let header = self.header(arguments)?;
+    fn armed(&self, asked: &Asked, places: &Places, rig: Box<dyn BackEnd>, setup: Setup) -> Result<Running, Failure> {
+        let arguments = &asked.arguments;
+        let header = self.header(asked)?;
         let context = RunContext { port: self.port.to_string(), period_s: setup.period_s };
+        let folder = asked.make_folder()?;
         let file = RunFile::create(&arguments.out, places.overwrite, &header)?;
         let latest = Latest::default();
         let recording = RunSink::new(file, &arguments.out, context.clone());
@@ -160,6 +161,7 @@ impl Plan {
         let session = Session::arm(rig, setup, sinks).map_err(|refused| {
             // Nothing ran, so nothing is worth keeping.
             let _ = std::fs::remove_file(RunFile::part_path(&arguments.out));
+            folder.iter().for_each(|folder| drop(std::fs::remove_dir(folder)));
             Failure::while_trying(self.tried.clone())(refused)
         })?;
         self.overrides.iter().for_each(|text| session.note(EventKind::Override, text));
@@ -170,9 +172,11 @@ impl Plan {
         Ok(Running { session, steering, context })
     }
 
-    fn header(&self, arguments: &cli::Run) -> Result<RunHeader, Failure> {
-        let project = arguments.controller.with_file_name(Project::FILE);
-        let project = project.is_file().then_some(project);
+    fn header(&self, asked: &Asked) -> Result<RunHeader, Failure> {
+        let arguments = &asked.arguments;
+        let beside = arguments.controller.with_file_name(Project::FILE);
+        let of_run = asked.project.as_ref().map(|opened| opened.file.clone());
+        let project = of_run.or_else(|| beside.is_file().then_some(beside));
         let files = [Some(&arguments.controller), arguments.rig.as_ref(), project.as_ref()];
         let parents: Vec<&Path> = files.into_iter().flatten().map(|path| path.as_path()).collect();
         Ok(RunHeader {
@@ -195,9 +199,10 @@ fn check(arguments: &cli::Run, file: &Controller) -> Result<(), NoRun> {
     if (delay_s - period_s).abs() > SAME * period_s { Err(NoRun::Delay { delay_s, period_s }) } else { Ok(()) }
 }
 
-fn setup(arguments: &cli::Run, file: &Controller) -> Result<Setup, Failure> {
-    let settings = kernel_settings(&file.settings, arguments.law.map(Into::into));
-    let live = Live { revision: 0, settings, reference: reference::of(arguments, file.period_s)? };
+fn setup(asked: &Asked, file: &Controller) -> Result<Setup, Failure> {
+    let arguments = &asked.arguments;
+    let settings = asked.limited(kernel_settings(&file.settings, arguments.law.map(Into::into)));
+    let live = Live { revision: 0, settings, reference: asked.reference.read(file.period_s)? };
     let controller = ControllerData { order: file.order, coefficients: file.coefficients() };
     let setup = setup_on(&arguments.link, Setup::new(controller, live, file.period_s))?;
     Ok(Setup { duration_s: arguments.duration, autostart: !arguments.wait, ..setup })

@@ -15,6 +15,7 @@ use flexbeam_files::{
 };
 use flexbeam_lti::{Signals, StateSpace};
 
+use crate::project::file_of;
 use crate::rig_file::rig_parameters;
 use crate::{Failure, cli};
 
@@ -23,8 +24,9 @@ const SCHEMAS: [&str; 7] =
     [Model::SCHEMA, Controller::SCHEMA, Certificate::SCHEMA, Rig::SCHEMA, Project::SCHEMA, Note::SCHEMA, RUN_SCHEMA];
 
 /// `flexbeam show`.
-pub fn run(arguments: &cli::Show) -> Result<(), Failure> {
-    let file = &arguments.file;
+pub fn run(given: &cli::Show) -> Result<(), Failure> {
+    let file = &file_of(&given.file);
+    let arguments = &cli::Show { file: file.clone(), ..given.clone() };
     match schema_of(file)?.as_deref() {
         Some(Model::SCHEMA) => model(arguments),
         Some(Controller::SCHEMA) => document(arguments, holds::controller),

@@ -1,6 +1,6 @@
 //! `flexbeam simulate`: a step of the tip angle on the nonlinear rig.
 
-use flexbeam_files::{Controller, Document, Law, Overwrite, SimulateResult, json_text, write_signals};
+use flexbeam_files::{Controller, Law, Overwrite, SimulateResult, json_text, write_signals};
 use flexbeam_kernel as kernel;
 use flexbeam_report::{Cell, Table};
 
@@ -9,6 +9,7 @@ use crate::cli;
 use crate::controller_file::kernel_settings;
 use crate::law::law_name;
 use crate::output::{folder, write_figure};
+use crate::project::controller_and_rig;
 use crate::record::MOST_SAMPLES;
 use crate::response::{linear_rig, rig_at, step_response};
 
@@ -23,9 +24,9 @@ struct Setting {
 
 /// Runs the command.
 pub fn run(arguments: &cli::Simulate) -> Result<(), Failure> {
-    let file = Controller::read(&arguments.controller)?;
+    let (file, rig) = controller_and_rig(&arguments.controller, arguments.rig.as_deref())?;
     let tried = || format!("simulate {}", arguments.controller.display());
-    let mut rig = rig_at(arguments.rig.as_deref(), file.period_s)?;
+    let mut rig = rig_at(rig.as_deref(), file.period_s)?;
     let samples = arguments.duration / file.period_s;
     let fits = samples > 0.0 && samples <= MOST_SAMPLES;
     expect(tried, "--duration [s]", arguments.duration, fits, "a positive number, at most 10^8 periods")?;

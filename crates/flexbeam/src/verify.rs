@@ -1,10 +1,9 @@
 //! `flexbeam verify`: the certificate by other formulas, the exact distributed beam, runs on the simulated rig.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
-use flexbeam_files::{
-    Controller, DistributedBeam, Document, Extended, Figure, MonteCarlo, Spread, VerifyResult, json_text,
-};
+use flexbeam_files::{Controller, DistributedBeam, Extended, Figure, MonteCarlo, Spread, VerifyResult, json_text};
 use flexbeam_lti::{C64, Rational, StateSpace, Zpk};
 use flexbeam_report::{Cell, Table, Verdict, significant};
 use flexbeam_verify::{
@@ -17,6 +16,7 @@ use crate::cli;
 use crate::controller_file::{controller_system, kernel_settings};
 use crate::design::beam_of_rig;
 use crate::output::progress;
+use crate::project::controller_and_rig;
 use crate::response::rig_at;
 
 /// Some figure broke.
@@ -26,12 +26,13 @@ struct NotVerified(Vec<String>);
 
 /// Runs the command.
 pub fn run(arguments: &cli::Verify) -> Result<(), Failure> {
-    let file = Controller::read(&arguments.controller)?;
+    let (file, rig) = controller_and_rig(&arguments.controller, arguments.rig.as_deref())?;
     let tried = || format!("verify {}", arguments.controller.display());
     let parts = Parts::of(&file)?;
     let figures = parts.figures(&file).map_err(Failure::while_trying(tried()))?;
-    let beam = parts.on_beam(&file, arguments.rig.as_deref())?;
-    let runs = (arguments.runs > 0).then(|| campaign(arguments, &file, &parts.controller)).transpose()?;
+    let beam = parts.on_beam(&file, rig.as_deref())?;
+    let runs =
+        (arguments.runs > 0).then(|| campaign(arguments, rig.as_deref(), &file, &parts.controller)).transpose()?;
     let mut result = result(&figures, &beam, runs.as_ref(), arguments.seed, file.design.stability_degree);
     result.failures.extend(other_filter(&file));
     result.verified = result.failures.is_empty();
@@ -103,11 +104,7 @@ impl Parts {
     }
 
     /// The loop on the exact distributed beam.
-    pub fn on_beam(
-        &self,
-        file: &Controller,
-        rig: Option<&std::path::Path>,
-    ) -> Result<(OnBeam, Vec<Verified>), Failure> {
+    pub fn on_beam(&self, file: &Controller, rig: Option<&Path>) -> Result<(OnBeam, Vec<Verified>), Failure> {
         let tried = "verify on the distributed beam";
         let beam = BeamPlant::new(&beam_of_rig(rig)?, self.timing).map_err(Failure::while_trying(tried))?;
         let feedback = flexbeam_verify::Feedback::new(&self.controller).map_err(Failure::while_trying(tried))?;
@@ -147,8 +144,13 @@ fn claim(file: &Controller) -> Claim {
 }
 
 /// Steps of the default size with drawn parameters.
-fn campaign(arguments: &cli::Verify, file: &Controller, controller: &StateSpace) -> Result<Summary, Failure> {
-    let rig = rig_at(arguments.rig.as_deref(), file.period_s)?;
+fn campaign(
+    arguments: &cli::Verify,
+    rig: Option<&Path>,
+    file: &Controller,
+    controller: &StateSpace,
+) -> Result<Summary, Failure> {
+    let rig = rig_at(rig, file.period_s)?;
     let settings = kernel_settings(&file.settings, None);
     let scenario = Scenario { rig, settings, controller, step_rad: STEP_DEG.to_radians(), duration_s: DURATION_S };
     let campaign = Campaign { runs: arguments.runs, seed: arguments.seed, ..Campaign::default() };

@@ -19,6 +19,38 @@ pub struct LiveSettings {
 }
 
 impl LiveSettings {
+    /// The key of every setting, in the order of [`LiveSettings::by_key`].
+    pub const KEYS: &[&str] = &[
+        "law",
+        "u_p_plus_v",
+        "u_p_minus_v",
+        "eps_u_v",
+        "eps_e_rad",
+        "hysteresis_u",
+        "hysteresis_e",
+        "breakaway_plus_v",
+        "breakaway_minus_v",
+        "voltage_limit_v",
+        "deflection_limit_rad",
+        "theta_limit_rad",
+        "theta_step_limit_rad",
+        "smooth_ticks",
+        "smooth_step_rad",
+        "theta.scale",
+        "theta.offset_rad",
+        "theta.low_pass",
+        "alpha.scale",
+        "alpha.offset_rad",
+        "alpha.low_pass",
+        "reference.shape",
+        "reference.amplitude_rad",
+        "reference.period_s",
+        "reference.offset_rad",
+    ];
+
+    /// The keys whose values are words; all others are numbers.
+    pub const WORDS: &[&str] = &["law", "reference.shape"];
+
     /// The settings that are set, as `theta.low_pass` and its value.
     pub fn texts(&self) -> Vec<(String, String)> {
         by_key(&self.settings, "").into_iter().map(|(key, value)| (key, value.to_string())).collect()
@@ -180,7 +212,9 @@ mod tests {
         assert_same_keys(&Value::Object(Default::default()), &serde_json::from_str(RunTopic::REPORT.schema).unwrap());
         assert_eq!(live.texts().len(), 15 + 2 * 3, "fifteen numbers and words, two channels of three");
         let keys = live.by_key();
-        assert_eq!(keys.len(), live.texts().len() + 4);
+        assert_eq!(keys.iter().map(|(key, _)| key.as_str()).collect::<Vec<_>>(), LiveSettings::KEYS);
+        let words = keys.iter().filter(|(_, value)| matches!(value, SettingValue::Word(_)));
+        assert_eq!(words.map(|(key, _)| key.as_str()).collect::<Vec<_>>(), LiveSettings::WORDS);
         assert!(keys.contains(&("theta.low_pass".into(), SettingValue::Number(1.0))), "{keys:?}");
         assert!(keys.contains(&("reference.shape".into(), SettingValue::Word("sawtooth".into()))), "{keys:?}");
         let back: LiveSettings = serde_json::from_slice(&live.to_json()).unwrap();

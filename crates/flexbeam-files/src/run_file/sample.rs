@@ -24,7 +24,10 @@ macro_rules! fields {
             /// Names of the fields, in the message's order.
             pub const NAMES: &[&str] = &[$(stringify!($name)),*];
 
-            /// Their units, as in the names; empty for a count or a code.
+            /// What a scope can draw: all but the tick, which is its time.
+            pub const SIGNALS: &[&str] = Self::NAMES.split_at(1).1;
+
+            /// The units of [`RunSample::NAMES`], as in the names; empty for a count or a code.
             pub const UNITS: &[&str] = &[$($unit),*];
 
             /// Length of a message [bytes].
@@ -171,6 +174,7 @@ mod tests {
         let at = RunSample::NAMES.iter().position(|name| *name == "alpha_rad").unwrap();
         assert_eq!((columns.get(1).unwrap().values()[at], RunSample::UNITS[at]), (2.0, "rad"));
         assert_eq!(RunSample::UNITS.len(), RunSample::NAMES.len());
+        assert_eq!((RunSample::NAMES[0], RunSample::SIGNALS), ("tick", &RunSample::NAMES[1..]));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{ArgAction, Args, ValueEnum};
 
 use super::Law;
 
@@ -33,12 +33,13 @@ pub struct RigLink {
 /// `flexbeam run`
 #[derive(Args, Clone, Debug)]
 pub struct Run {
-    /// Controller file
+    /// Controller file, or a project: its folder or its flexbeam.toml
+    #[arg(value_name = "CONTROLLER|PROJECT", default_value = ".")]
     pub controller: PathBuf,
     /// Where the rig is.
     #[command(flatten)]
     pub link: RigLink,
-    /// Rig file of the simulated rig; the paper's by default
+    /// Rig file of the simulated rig; the project's by default, else the paper's
     #[arg(long)]
     pub rig: Option<PathBuf>,
     /// Seed of the simulated rig's sensor noise
@@ -62,14 +63,16 @@ pub struct Run {
     /// CSV file with a column reference_rad or reference_deg, at the controller's period; played once
     #[arg(long)]
     pub signal_file: Option<PathBuf>,
-    /// Variable-structure law; that of the controller file by default
+    /// Variable-structure law; the project's by default, else that of the controller file
     #[arg(long, value_enum)]
     pub law: Option<Law>,
-    /// Home the simulated rig as a real one: find its zeroes and check its signs
-    #[arg(long)]
+    /// Home the simulated rig as a real one: find its zeroes and check its signs; --home=false where a project says so
+    #[arg(long, action = ArgAction::Set, num_args = 0..=1, require_equals = true, default_value_t = false,
+        default_missing_value = "true", hide_default_value = true, hide_possible_values = true, value_name = "BOOL")]
     pub home: bool,
-    /// Stay armed at 0 V until told to start, by key or over the control socket
-    #[arg(long)]
+    /// Stay armed at 0 V until told to start, by key or over the control socket; --wait=false where a project says so
+    #[arg(long, action = ArgAction::Set, num_args = 0..=1, require_equals = true, default_value_t = false,
+        default_missing_value = "true", hide_default_value = true, hide_possible_values = true, value_name = "BOOL")]
     pub wait: bool,
     /// Listen on this Unix socket for `flexbeam tell`
     #[arg(long)]
@@ -84,7 +87,7 @@ pub struct Run {
     /// No picture of the run on the terminal, only its events
     #[arg(long)]
     pub plain: bool,
-    /// The recording to write
+    /// The recording to write; of a project runs/DATE-TIME.mcap in its folder by default
     #[arg(short, long, default_value = "run.mcap")]
     pub out: PathBuf,
     /// Write over a file that is not of the kind to be written

@@ -1,0 +1,32 @@
+// The run's log. Enters: events as they come. Leaves: a list, the newest on top, and each new one read aloud once.
+
+import { element, write } from "./element.js";
+import { runTime } from "./number.js";
+
+const MARKS = { armed: "○", started: "●", stopped: "■", fault: "▲", warning: "!", override: "✎", lost: "…" };
+
+export class Events {
+  /** @param {{root: HTMLElement, announcer: HTMLElement}} about */
+  constructor({ root, announcer }) {
+    this.announcer = announcer;
+    this.list = element("ol", { class: "events", tabindex: 0, "aria-label": "Events, the newest first" });
+    root.replaceChildren(element("h2", { text: "Events" }), this.list);
+  }
+
+  /** All are told again after each greeting. */
+  clear() {
+    this.list.replaceChildren();
+    this.quiet_until_ms = performance.now() + 1000;
+  }
+
+  /** Adds one. */
+  add({ time_s, kind, text }) {
+    const [first, ...rest] = text.split("\n");
+    this.list.prepend(element("li", { class: kind },
+      element("span", { class: "mark", "aria-hidden": "true", text: MARKS[kind] ?? "·" }),
+      element("time", { text: runTime(time_s) }),
+      element("p", {}, first, ...rest.map((line) => element("small", { text: line })))));
+    while (this.list.children.length > 500) this.list.lastChild.remove();
+    if (performance.now() > this.quiet_until_ms) write(this.announcer, text);
+  }
+}

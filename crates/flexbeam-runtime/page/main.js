@@ -1,0 +1,146 @@
+// The page: takes its token, keeps the connection, hands every message to the part that shows it, and draws.
+
+import { Banner } from "./banner.js";
+import { showCertificate } from "./certificate.js";
+import { themeChanged } from "./colours.js";
+import { Connection } from "./connection.js";
+import { element } from "./element.js";
+import { Events } from "./events.js";
+import { decode } from "./frames.js";
+import { FrameTimes } from "./frame_times.js";
+import { openHelp } from "./help.js";
+import { Lateness } from "./lateness.js";
+import { Layout } from "./layout.js";
+import { Readouts } from "./readouts.js";
+import { openResult } from "./result.js";
+import { RunState } from "./state.js";
+import { Store } from "./store.js";
+import { Theme } from "./theme.js";
+import { TopBar } from "./top_bar.js";
+import { Viewers } from "./viewers.js";
+import { keep, kept, keyOfTab, nameOfViewer, takeToken } from "./identity.js";
+
+const place = (id) => document.getElementById(id);
+const state = new RunState();
+const frames = new FrameTimes();
+const facts = Object.fromEntries(["control", "certificate", "lateness", "events"].map((name) => [name, element("section", { class: `card ${name}` })]));
+let store = null;
+let layout = null;
+let readouts = null;
+let lateness = null;
+
+const banner = new Banner({ root: place("banner"), retry: () => connection.retry() });
+const tell = (text) => banner.tell(text);
+const request = (message) => connection.request(message);
+const theme = new Theme(refresh);
+const top = new TopBar({ root: place("top"), act: (what) => request({ type: "do", request: { do: what } }), tell, theme, help });
+const viewers = new Viewers({ root: facts.control, sheets: place("sheets"), request, tell, rename, token: enterToken });
+const events = new Events({ root: facts.events, announcer: place("announcer") });
+place("facts").append(...Object.values(facts));
+const connection = new Connection({
+  token: takeToken(), key: keyOfTab(), name: nameOfViewer(), newest: () => store?.last ?? NaN,
+  onmessage: take, onsamples: takeSamples,
+  onlink: (link) => { state.link = link; update(); },
+});
+
+function take(message) {
+  const isAnother = message.type === "hello" && state.isAnother(message);
+  if (isAnother) {
+    state.begin();
+    layout.destroy();
+    layout = null;
+    store = null;
+    if (connection.after !== null) return connection.again();
+  }
+  state.apply(message);
+  if (message.type === "hello") greet(message);
+  if (message.type === "event") events.add(message);
+  if (message.type === "viewers") takeFreeSeat();
+  if (message.type === "over") openResult(message.result);
+  update();
+}
+
+/** A first greeting builds the page; later ones of the same run only go on. */
+function greet(hello) {
+  events.clear();
+  if (layout !== null) return;
+  store = new Store({ signals: hello.signals, period_s: hello.run.period_s });
+  window.flexbeam.store = store;
+  readouts = new Readouts({ root: place("readouts"), signals: hello.signals });
+  lateness = new Lateness({ root: facts.lateness, signals: hello.signals });
+  showCertificate(facts.certificate, hello.certificate);
+  layout = new Layout({ scopes: place("scopes"), panels: place("panels"), hello, store, state, request, tell, commit: (key, value) => request({ type: "set", values: { [key]: value } }) });
+  mayTake = kept("released") === null;
+}
+
+/** Whoever opens the page with the token wants to steer: a seat that is free is taken, once, unless it was released before. */
+let mayTake = false;
+function takeFreeSeat() {
+  if (mayTake && state.hasToken && !state.hasEnded && state.in_control === null) request({ type: "take" });
+  mayTake = false;
+}
+
+function takeSamples(message) {
+  try {
+    const frame = decode(message);
+    store.push(frame);
+    lateness.take(frame);
+  } catch (error) {
+    tell(`A frame of samples was not understood: ${error.message}. Reload the page.`);
+  }
+}
+
+function update() {
+  top.update(state);
+  banner.update(state);
+  viewers.update(state);
+  lateness?.update(state);
+  layout?.update(state);
+}
+
+function refresh() {
+  themeChanged();
+  [layout, readouts, lateness].forEach((part) => part?.refresh());
+}
+
+function rename(name) {
+  connection.name = name;
+  localStorage.setItem("flexbeam.name", name);
+  connection.again();
+}
+
+function enterToken(token) {
+  keep("token", token);
+  connection.token = token;
+  mayTake = true;
+  connection.again();
+}
+
+function help() {
+  openHelp(state.hello);
+}
+
+function draw(now_ms) {
+  const began = performance.now();
+  layout?.draw(now_ms);
+  readouts?.draw(now_ms, store, state.isLive && !state.hasEnded);
+  lateness?.draw(now_ms);
+  frames.add(performance.now() - began);
+  requestAnimationFrame(draw);
+}
+
+addEventListener("keydown", (event) => {
+  const isTyped = event.target.matches?.("input:not([type=range]):not([type=radio]):not([type=checkbox]), textarea, select");
+  if (isTyped || event.ctrlKey || event.altKey || event.metaKey) return;
+  if (event.key === "?") help();
+  if (event.key === "p") layout?.togglePause();
+});
+addEventListener("hashchange", () => {
+  const token = takeToken();
+  if (token !== connection.token) enterToken(token);
+});
+setInterval(() => { banner.update(state); viewers.update(state); }, 500);
+
+window.flexbeam = { frames, store, connection };
+update();
+requestAnimationFrame(draw);

@@ -1,0 +1,118 @@
+// What the page knows of the run. Enters: messages and the link. Leaves: the present state, and in words what this viewer may do.
+
+/** Events that are kept; the recording has all of them. */
+const MOST_EVENTS = 500;
+
+export class RunState {
+  constructor() {
+    this.link = { stage: "connecting", why: "", since_ms: performance.now(), retry_ms: null };
+    this.begin();
+  }
+
+  /** Forgets the run, for the next one. */
+  begin() {
+    this.hello = null;
+    this.knobs = new Map();
+    this.phase = null;
+    this.time_s = NaN;
+    this.revision = 0;
+    this.values = {};
+    this.timing = null;
+    this.viewers = [];
+    this.in_control = null;
+    this.asking = null;
+    this.asking_until_ms = 0;
+    this.events = [];
+    this.result = null;
+  }
+
+  /** Whether this greeting is of another run than the one that is known. */
+  isAnother(hello) {
+    return this.hello !== null && this.hello.run.start_unix_ns !== hello.run.start_unix_ns;
+  }
+
+  /** Takes a message in. */
+  apply(message) {
+    this[`_${message.type}`]?.(message);
+  }
+
+  _hello(message) {
+    this.hello = message;
+    this.events = [];
+    this._knobs(message);
+  }
+
+  _knobs({ knobs }) {
+    this.knobs = new Map(knobs.map((knob) => [knob.key, knob]));
+  }
+
+  _state({ phase, time_s, revision, values, timing }) {
+    Object.assign(this, { phase, time_s, revision, values, timing });
+  }
+
+  _event(event) {
+    this.events.push(event);
+    if (this.events.length > MOST_EVENTS) this.events.shift();
+  }
+
+  _viewers({ viewers, in_control, asking }) {
+    Object.assign(this, { viewers, in_control, asking });
+    if (asking) this.asking_until_ms = performance.now() + asking.seconds_left * 1000;
+  }
+
+  _over({ result }) {
+    this.result = result;
+  }
+
+  /** Whether what is shown is of this moment. */
+  get isLive() {
+    return this.link.stage === "open";
+  }
+
+  get hasToken() {
+    return this.hello?.may === "steer";
+  }
+
+  get inControl() {
+    return this.hello !== null && this.in_control === this.hello.viewer;
+  }
+
+  get hasEnded() {
+    return this.result !== null || this.phase === "stopped" || this.phase === "fault";
+  }
+
+  /** Name of the viewer in control; null when nobody is. */
+  get holder() {
+    return this.viewers.find((viewer) => viewer.id === this.in_control)?.name ?? null;
+  }
+
+  /** Why the run cannot be stopped from here; null when it can. */
+  get whyNoStop() {
+    if (this.hasEnded) return "The run is over; the rig is at 0 V.";
+    if (!this.isLive) return "No connection: this page cannot reach the rig.";
+    return this.hasToken ? null : whyNoToken(this.hello);
+  }
+
+  /** Why nothing can be changed from here; null when it can. */
+  get whyLocked() {
+    if (this.whyNoStop !== null) return this.whyNoStop;
+    if (this.inControl) return null;
+    return this.holder === null ? "Nobody is in control. Take control to change settings." : `${this.holder} is in control.`;
+  }
+
+  /** Why the run cannot be started from here; null when it can. */
+  get whyNoStart() {
+    return this.phase === "running" ? "The run is going on." : this.whyLocked;
+  }
+
+  /** Name of the run, for a person. */
+  get name() {
+    return this.hello === null ? "flexbeam" : this.hello.run.project ?? this.hello.run.controller;
+  }
+}
+
+function whyNoToken(hello) {
+  return hello?.token === "wrong"
+    ? "The token is of another run. Open the address that flexbeam printed."
+    : "This page has no token: it may look. Open the address that flexbeam printed.";
+}
