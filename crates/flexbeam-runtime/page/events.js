@@ -9,7 +9,7 @@ export class Events {
   /** @param {{root: HTMLElement, announcer: HTMLElement}} about */
   constructor({ root, announcer }) {
     this.announcer = announcer;
-    this.list = element("ol", { class: "events", tabindex: 0, "aria-label": "Events, the newest first" });
+    this.list = element("ol", { class: "log", tabindex: 0, "aria-label": "Events, the newest first" });
     root.replaceChildren(element("h2", { text: "Events" }), this.list);
   }
 

@@ -24,7 +24,7 @@ import { keep, kept, keyOfTab, nameOfViewer, takeToken } from "./identity.js";
 const place = (id) => document.getElementById(id);
 const state = new RunState();
 const frames = new FrameTimes();
-const facts = Object.fromEntries(["control", "certificate", "lateness", "events"].map((name) => [name, element("section", { class: `card ${name}` })]));
+const facts = Object.fromEntries(["certificate", "lateness", "here", "events"].map((name) => [name, element("section", { class: `card ${name}` })]));
 /** What belongs to one run: store, layout, readouts, lateness. */
 let shown = null;
 
@@ -33,7 +33,7 @@ const tell = (text) => banner.tell(text);
 const request = (message) => connection.request(message);
 const theme = new Theme(() => refresh());
 const top = new TopBar({ root: place("top"), act: (what) => request({ type: "do", request: { do: what } }), tell, theme, help });
-const viewers = new Viewers({ root: facts.control, sheets: place("sheets"), request, tell, rename, token: enterToken });
+const viewers = new Viewers({ control: place("control"), list: facts.here, sheets: place("sheets"), request, tell, rename, token: enterToken });
 const events = new Events({ root: facts.events, announcer: place("announcer") });
 place("facts").append(...Object.values(facts));
 const connection = new Connection({
