@@ -15,30 +15,41 @@ const DIVISIONS = 6;
 
 /**
  * Ends around [low, high], and the step that they are multiples of.
+ * @param {boolean} grounded data that begin at nought have no room below
  * @returns {{low: number, high: number, step: number}}
  */
-export function fit(low, high) {
+export function fit(low, high, grounded = false) {
   if (!(low <= high)) return fit(-0.9, 0.9);
   // A constant has no height of its own: a twentieth of its size, or one unit around nought.
   const height = high - low || Math.abs(high) * 0.05 || 1;
   const step = stepAbove(height / DIVISIONS);
   const room = ROOM * height;
-  return { low: Math.floor((low - room) / step) * step, high: Math.ceil((high + room) / step) * step, step };
+  const below = grounded && low === 0 ? 0 : room;
+  return { low: Math.floor((low - below) / step) * step, high: Math.ceil((high + room) / step) * step, step };
 }
 
 /**
- * Ends around [low, high] with exactly `divisions` steps, so that two axes share one grid.
+ * Ends around [low, high] on the grid of another axis: as many steps, and nought on the same line where both have it.
+ * @param {{low: number, high: number, step: number}} other
  * @returns {{low: number, high: number, step: number}}
  */
-export function fitDivisions(low, high, divisions) {
-  const tight = fit(low, high);
+export function fitBeside(low, high, other, grounded = false) {
+  const divisions = Math.round((other.high - other.low) / other.step);
+  const nought = Math.round(-other.low / other.step);
+  const tight = fit(low, high, grounded);
+  const shared = nought >= 0 && nought <= divisions && tight.low <= 0 && tight.high >= 0 && fits(tight, nought, divisions);
   for (let step = stepAbove((tight.high - tight.low) / divisions); ; step = stepAbove(step * 1.01)) {
     const bottom = Math.floor(tight.low / step + 1e-9);
     const spare = divisions - (Math.ceil(tight.high / step - 1e-9) - bottom);
-    if (spare < 0) continue;
-    const shift = low >= 0 && bottom >= 0 ? Math.min(bottom, Math.floor(spare / 2)) : Math.floor(spare / 2);
-    return { low: (bottom - shift) * step, high: (bottom - shift + divisions) * step, step };
+    const from = shared ? -nought : bottom - Math.floor(spare / 2);
+    const covers = from <= bottom && (from + divisions) * step >= tight.high - 1e-9 * step;
+    if (spare >= 0 && covers) return { low: from * step, high: (from + divisions) * step, step };
   }
+}
+
+/** Whether a shared nought leaves room for what is above and what is below it. */
+function fits({ low, high }, nought, divisions) {
+  return (low === 0 || nought > 0) && (high === 0 || nought < divisions);
 }
 
 /** The ends of one axis in the course of time. */

@@ -59,7 +59,7 @@ export function number(value, decimals) {
 /** A number with its unit: a thin space between them, none before a degree sign. */
 export function quantity(value, decimals, unit) {
   const text = number(value, decimals);
-  if (!unit) return text;
+  if (!unit || !Number.isFinite(value)) return text;
   return unit === "\u00b0" ? text + unit : text + THIN + unit;
 }
 

@@ -2,19 +2,16 @@
 // Enters: a store, a scope and the time of the frame. Leaves: a picture on a context, ends of the axes, readings.
 // The horizontal axis counts ticks from an anchor: the newest instant, or the crossing of the trigger.
 
-import { drawBorder, drawTag, drawWords, drawX, drawY, hair, labelsX, placeX, placeY } from "./chart_axes.js";
+import { drawTag, drawWords, hair, labelsX, placeX, placeY } from "./chart_axes.js";
+import { Chart, clipped, fill, spot, STROKE } from "./chart_base.js";
 import { clockOf } from "./chart_clock.js";
-import { axisOf, extentShown, unitsOf } from "./chart_signals.js";
+import { extentShown } from "./chart_signals.js";
 import { quantity, readingDecimals, seconds } from "./chart_ticks.js";
 import { drawColumns, TraceLayer } from "./chart_traces.js";
-import { ValueAxes } from "./chart_values.js";
-import { View } from "./chart_view.js";
 import { colourOf, dashed, paper } from "./colours.js";
 import { between, Cursors, readings, valueAt } from "./cursors.js";
 import { Trigger } from "./trigger.js";
 
-/** Width of a trace [CSS pixels]. */
-const STROKE = 1.75;
 /** Columns before the newest sample that its line may still change. */
 const UNSETTLED = 4;
 /** A trigger ignores crossings that come back within this share of the axis. */
@@ -22,30 +19,17 @@ const NOISE = 0.01;
 /** Least that the time axis shows [ticks]. */
 const LEAST = 4;
 
-export class TimeChart {
-  /**
-   * @param {{store: import("./store.js").Store, scope: object, signals: import("./chart_signals.js").Signal[]}} of
-   *   scope as in `hello`, signals: those of the scope, hidden ones too
-   */
-  constructor({ store, scope, signals }) {
-    this.store = store;
-    this.scope = scope;
-    this.signals = signals;
-    this.view = new View();
+export class TimeChart extends Chart {
+  constructor(of) {
+    super(of);
     this.cursors = new Cursors();
-    this.values = new ValueAxes();
     this.layer = new TraceLayer();
-    this.trigger = scope.trigger ? new Trigger(scope.trigger) : null;
-    this.frozen = null;
+    this.trigger = this.scope.trigger ? new Trigger(this.scope.trigger) : null;
     this.rolls = !this.trigger;
+    this.anchor = NaN;
     this.origin = NaN;
-    this.epoch = NaN;
+    /** The level is in someone's hand. */
     this.held = false;
-  }
-
-  /** Number of vertical axes. */
-  get axisCount() {
-    return Math.min(2, unitsOf(this.signals).length);
   }
 
   /** Stops at what is shown now, or goes on. */
@@ -54,7 +38,6 @@ export class TimeChart {
     this.frozen = yes ? { anchor: this.anchor, rolls: this.rolls, last: this.store.last } : null;
   }
 
-  /** Whether moving the time axis by hand must stop the plot first. */
   get movesAway() {
     return this.rolls && !this.frozen;
   }
@@ -69,7 +52,7 @@ export class TimeChart {
   /** Ends of the axes at a frame. Everything else is drawn from what is found here. */
   compose(frame, hidden, now_ms) {
     const { store, scope } = this;
-    if (this.epoch !== store.epoch) this.begin();
+    this.begin();
     const span = scope.span_s / store.period_s;
     this.anchor = this.anchorAt(now_ms, span);
     const [low, high] = this.horizontal(span);
@@ -81,17 +64,14 @@ export class TimeChart {
     this.scale = { origin: this.origin, width, first };
     const begin = this.origin + first * width;
     const end = begin + frame.width * width;
-    this.axes = { x: [begin - this.anchor, end - this.anchor], y: this.vertical(hidden, begin, end, now_ms) };
+    this.axes = { x: [begin - this.anchor, end - this.anchor], y: this.heights(hidden, begin, end, now_ms) };
+    this.listen();
     return this;
   }
 
-  /** A new run: nothing of the old one stays. */
   begin() {
-    this.epoch = this.store.epoch;
-    this.origin = NaN;
-    this.frozen = null;
-    this.view.reset();
-    this.values.reset();
+    if (this.epoch !== this.store.epoch) this.origin = NaN;
+    super.begin();
   }
 
   anchorAt(now_ms, span) {
@@ -122,24 +102,16 @@ export class TimeChart {
     return this.view.x;
   }
 
-  vertical(hidden, begin, end, now_ms) {
-    const groups = Array.from({ length: this.axisCount }, (_, k) =>
-      this.signals.filter((signal) => axisOf(this.signals, signal) === k && !hidden.has(signal.key)),
-    );
+  heights(hidden, begin, end, now_ms) {
     const last = this.frozen ? Math.min(end, this.frozen.last + 1) : end;
-    const extents = groups.map((group) => extentShown(this.store, group, begin, last));
-    const factor = this.signals[0]?.factor ?? 1;
-    const configured = this.scope.range ? this.scope.range.map((value) => value * factor) : null;
-    this.fitted = this.values.update(extents, this.view.y, configured, now_ms);
-    this.listen();
-    return this.fitted.map((axis) => axis.ends);
+    return this.fitValues(hidden, now_ms, (group) => extentShown(this.store, group, begin, last));
   }
 
   /** The trigger's noise follows the axis of its signal. */
   listen() {
     const signal = this.levelSignal();
     if (!signal) return;
-    const [low, high] = this.fitted[axisOf(this.signals, signal)].ends;
+    const [low, high] = this.fitted[this.axis(signal)].ends;
     this.trigger.noise = (NOISE * (high - low)) / Math.abs(signal.factor);
   }
 
@@ -147,52 +119,40 @@ export class TimeChart {
   levelSignal() {
     if (!this.trigger) return null;
     const signal = this.signals.find((s) => s.key === this.trigger.wanted.signal);
-    return signal && axisOf(this.signals, signal) < 2 ? signal : null;
+    return signal ?? null;
   }
 
   /** @returns {import("./chart_traces.js").Look[]} */
   looks(frame, hidden) {
-    return this.signals
-      .filter((signal) => !hidden.has(signal.key) && axisOf(this.signals, signal) < 2)
-      .map((signal) => {
-        const [low, high] = this.axes.y[axisOf(this.signals, signal)];
-        const perShown = frame.height / (high - low);
-        const { factor } = signal;
-        const y = (value) => (high - value * factor) * perShown;
-        return { channel: this.store.channels.get(signal.key), colour: colourOf(signal.key), dashed: dashed(signal.key), y };
-      });
+    return this.shown(hidden).map((signal) => {
+      const [low, high] = this.axes.y[this.axis(signal)];
+      const perShown = frame.height / (high - low);
+      const { factor } = signal;
+      const y = (value) => (high - value * factor) * perShown;
+      return { channel: this.store.channels.get(signal.key), colour: colourOf(signal.key), dashed: dashed(signal.key), y };
+    });
   }
 
   /** Draws what `compose` found. `vector`: strokes of its own, not a copy of the layer's pixels. */
   render(context, frame, hidden, vector = false) {
-    this.drawPaper(context, frame);
+    this.drawTime(context, frame);
     if (this.store.count === 0) return drawWords(context, frame, paper(), "No data yet");
-    if (Number.isNaN(this.anchor)) return this.drawLevel(context, frame), drawWords(context, frame, paper(), "Waiting for the trigger");
+    if (Number.isNaN(this.anchor)) {
+      this.drawLevel(context, frame);
+      return drawWords(context, frame, paper(), "Waiting for the trigger");
+    }
     this.drawTraces(context, frame, hidden, vector);
     this.drawLevel(context, frame);
     if (this.cursors.on) this.drawCursors(context, frame, hidden);
     return undefined;
   }
 
-  drawPaper(context, frame) {
-    const { period_s } = this.store;
+  drawTime(context, frame) {
     const shift = this.rolls ? this.anchor : 0;
-    const ends = this.axes.x.map((ticks) => (ticks + shift) * period_s);
+    const ends = this.axes.x.map((ticks) => (ticks + shift) * this.store.period_s);
     const small = !this.rolls && Math.max(...ends.map(Math.abs)) < 0.5;
     const shown = small ? ends.map((end) => end * 1000) : ends;
-    if (Number.isFinite(ends[0])) drawX(context, frame, paper(), shown, labelsX(frame, shown, small ? "ms" : "s"));
-    const units = unitsOf(this.signals);
-    this.fitted.forEach((axis, k) => {
-      const colour = this.fitted.length > 1 ? this.axisColour(k) : paper().soft;
-      drawY(context, frame, paper(), { unit: units[k], ends: axis.ends, step: axis.step, colour }, k);
-    });
-    drawBorder(context, frame, paper());
-  }
-
-  /** An axis of one signal has its colour. */
-  axisColour(k) {
-    const own = this.signals.filter((signal) => axisOf(this.signals, signal) === k);
-    return own.length === 1 ? colourOf(own[0].key) : paper().soft;
+    this.drawPaper(context, frame, shown, Number.isFinite(shown[0]) ? labelsX(frame, shown, small ? "ms" : "s") : []);
   }
 
   drawTraces(context, frame, hidden, vector) {
@@ -215,13 +175,13 @@ export class TimeChart {
   /** Where the trigger's level stands [pixel], or NaN. */
   levelY(frame) {
     const signal = this.levelSignal();
-    return signal ? placeY(frame, this.axes.y[axisOf(this.signals, signal)], this.trigger.wanted.level * signal.factor) : NaN;
+    return signal ? placeY(frame, this.axes.y[this.axis(signal)], this.trigger.wanted.level * signal.factor) : NaN;
   }
 
   /** Level [SI] at a pixel. */
   levelAt(frame, y) {
     const signal = this.levelSignal();
-    const [low, high] = this.axes.y[axisOf(this.signals, signal)];
+    const [low, high] = this.axes.y[this.axis(signal)];
     return (high - ((y - frame.top) / frame.height) * (high - low)) / signal.factor;
   }
 
@@ -230,11 +190,11 @@ export class TimeChart {
     if (!signal) return;
     const y = this.levelY(frame);
     const inside = Math.min(Math.max(y, frame.top), frame.top + frame.height);
-    const right = axisOf(this.signals, signal) === 1;
+    const right = this.axis(signal) === 1;
     const x = right ? frame.left + frame.width : frame.left;
-    const d = (right ? -1 : 1) * 9 * frame.unit;
-    const h = 6 * frame.unit;
-    fill(context, colourOf(signal.key), [[x - d, inside - h], [x, inside - h], [x + d, inside], [x, inside + h], [x - d, inside + h]]);
+    const d = (right ? -1 : 1) * 11 * frame.unit;
+    const h = 7 * frame.unit;
+    fill(context, colourOf(signal.key), [[x, inside - h], [x + d, inside], [x, inside + h]]);
     if (!this.rolls && !Number.isNaN(this.anchor)) this.drawInstant(context, frame, colourOf(signal.key));
     if (!this.held) return;
     hair(context, frame, colourOf(signal.key), [[frame.left, inside, frame.left + frame.width, inside]]);
@@ -264,51 +224,23 @@ export class TimeChart {
     });
   }
 
-  /** What the cursors read: a heading and one row for each signal. */
+  /** What the cursors read; null while they are away. */
   table(hidden) {
-    const { store, signals } = this;
-    const shown = signals.filter((signal) => !hidden.has(signal.key));
+    if (!this.cursors.on || !this.axes) return null;
+    const { period_s } = this.store;
+    const signals = this.shown(hidden);
     const [a, b] = this.cursors.at.map((offset) => this.anchor + offset);
-    const { time_s, frequency_hz } = between(a, b, store.period_s);
-    const shift = this.rolls ? 0 : this.anchor;
-    const rows = readings(store, shown.map((signal) => signal.key), a, b).map((reading, k) => {
-      const { label, unit, factor, key } = shown[k];
+    const { time_s, frequency_hz } = between(a, b, period_s);
+    const time = (tick) => seconds((tick - (this.rolls ? 0 : this.anchor)) * period_s, 4);
+    const rows = readings(this.store, signals.map((signal) => signal.key), a, b).map((reading, k) => {
+      const { label, unit, factor, key } = signals[k];
       const text = (value) => quantity(value * factor, readingDecimals(unit), unit);
-      return { label, colour: colourOf(key), a: text(reading.a), b: text(reading.b), difference: text(reading.difference) };
+      return { cells: [label, text(reading.a), text(reading.b), text(reading.difference)], colour: colourOf(key) };
     });
-    const time = (tick) => seconds((tick - shift) * store.period_s, 4);
     return {
-      head: { label: "Time", a: time(a), b: time(b), difference: seconds(time_s, 4) },
-      rows,
-      note: Number.isFinite(frequency_hz) ? `1/\u0394t ${quantity(frequency_hz, 3, "Hz")}` : "",
+      head: ["", "A", "B", "B \u2212 A"],
+      rows: [{ cells: ["Time", time(a), time(b), seconds(time_s, 4)], colour: null }, ...rows],
+      note: Number.isFinite(frequency_hz) ? `1/\u0394t = ${quantity(frequency_hz, 3, "Hz")}` : "",
     };
   }
-}
-
-function fill(context, colour, corners) {
-  context.fillStyle = colour;
-  context.beginPath();
-  corners.forEach(([x, y], k) => (k === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
-  context.fill();
-}
-
-function spot(context, frame, colour, x, y) {
-  context.fillStyle = colour;
-  context.strokeStyle = paper().card;
-  context.lineWidth = 1.5 * frame.unit;
-  context.beginPath();
-  context.arc(x, y, 4 * frame.unit, 0, 2 * Math.PI);
-  context.fill();
-  context.stroke();
-}
-
-/** Draws with the plot's upper left corner as origin, within the plot. */
-function clipped(context, frame, draw) {
-  context.save();
-  context.beginPath();
-  context.rect(frame.left, frame.top, frame.width, frame.height);
-  context.clip();
-  context.translate(frame.left, frame.top);
-  draw();
-  context.restore();
 }

@@ -22,7 +22,7 @@ const DASH_OFF = 3;
  */
 
 /** A path that is stroked in batches. */
-class Pen {
+export class Pen {
   constructor(context) {
     this.context = context;
     this.n = 0;

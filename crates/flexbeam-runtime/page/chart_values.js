@@ -1,13 +1,16 @@
 // Vertical axes of a plot: configured, chosen by hand, or fitted to the data.
 // Enters: extremes of the signals of each axis. Leaves: ends of the axes, as shown.
 
-import { AutoRange, fit, fitDivisions } from "./chart_range.js";
+import { AutoRange, fit, fitBeside } from "./chart_range.js";
 import { stepAbove } from "./chart_ticks.js";
 
 /** Up to two axes with one grid. */
 export class ValueAxes {
-  constructor() {
+  /** @param {boolean} grounded amplitudes: an axis begins at nought */
+  constructor(grounded = false) {
+    this.grounded = grounded;
     this.auto = [new AutoRange(), new AutoRange()];
+    this.beside = "";
   }
 
   reset() {
@@ -21,24 +24,26 @@ export class ValueAxes {
    * @returns {{ends: [number, number], step: number|null}[]} step: of ends that are multiples of it
    */
   update(extents, chosen, configured, now_ms) {
-    let divisions = 0;
+    let left = null;
     return extents.map((data, k) => {
+      const axis = k === 0 ? this.left(data, configured, now_ms) : this.right(data, left, now_ms);
       if (chosen[k]) return { ends: chosen[k], step: null };
-      const { low, high, step } = k === 0 ? this.left(data, configured, now_ms) : this.right(data, divisions, now_ms);
-      if (k === 0 && step) divisions = Math.round((high - low) / step);
-      return { ends: [low, high], step };
+      left = axis;
+      return { ends: [axis.low, axis.high], step: axis.step };
     });
   }
 
   left(data, configured, now_ms) {
-    return configured ? whole(configured) : this.auto[0].update(data, now_ms);
+    if (configured) return whole(configured);
+    return this.auto[0].update(data, now_ms, (low, high) => fit(low, high, this.grounded));
   }
 
-  /** Divided like the left axis, where that is divided evenly. */
-  right(data, divisions, now_ms) {
-    if (this.divisions !== divisions) this.auto[1].reset();
-    this.divisions = divisions;
-    const how = divisions > 0 ? (low, high) => fitDivisions(low, high, divisions) : fit;
+  /** On the grid of the left axis, where that is divided evenly. */
+  right(data, left, now_ms) {
+    const beside = left?.step ? `${left.low} ${left.high} ${left.step}` : "";
+    if (this.beside !== beside) this.auto[1].reset();
+    this.beside = beside;
+    const how = (low, high) => (beside ? fitBeside(low, high, left, this.grounded) : fit(low, high, this.grounded));
     return this.auto[1].update(data, now_ms, how);
   }
 }

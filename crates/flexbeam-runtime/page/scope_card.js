@@ -10,9 +10,12 @@ import { themeChanged } from "./colours.js";
 import { Legend } from "./scope_legend.js";
 import { element, menu, retool, tool } from "./scope_parts.js";
 import { Readings } from "./scope_readings.js";
+import { ScopeSheet } from "./scope_sheet.js";
+import { SpectrumChart } from "./spectrum.js";
+import { XyChart } from "./xy.js";
 
 /** Kinds of plots. */
-const CHARTS = { time: TimeChart };
+const CHARTS = { time: TimeChart, xy: XyChart, spectrum: SpectrumChart };
 /** Numbers change at most this often [ms]; the words for a screen reader less often. */
 const NUMBERS_MS = 100;
 const WORDS_MS = 2000;
@@ -68,8 +71,10 @@ export class ScopeCard {
       back: tool("back", "Zoom back", () => this.back()),
       trigger: tool("trigger", "Trigger", () => this.toggleTrigger(), false),
     };
+    const settings = tool("settings", "Signals and settings", () => this.openSheet());
+    this.styles = spectrumStyles(this);
     const entries = [["Move up", move(-1)], ["Move down", move(1)], ["Remove", () => onremove(this)]];
-    const bar = element("div", { class: "scope-tools", role: "toolbar" }, ...Object.values(this.tools), ...menu("More", entries));
+    const bar = element("div", { class: "scope-tools", role: "toolbar" }, ...this.styles, ...Object.values(this.tools), settings, ...menu("More", entries));
     this.head = element("header", { class: "scope-head" }, this.title, this.state, bar);
     this.element = element("section", { class: "scope" }, this.head, this.gone, this.plot, this.readings.element);
     this.gestures = new Gestures(this.plot, this);
@@ -90,6 +95,17 @@ export class ScopeCard {
     this.offerSpans();
     this.setPressed();
     this.changed();
+  }
+
+  openSheet() {
+    const ends = this.chart.axes?.y[0] ?? null;
+    return new ScopeSheet({ scope: this.config, signals: this.all, ends, ontake: (scope) => this.take(scope) });
+  }
+
+  /** The scope of the settings sheet. */
+  take(scope) {
+    this.title.value = scope.title;
+    this.change({ range: null, trigger: null, ...scope });
   }
 
   /** What cannot be drawn, and why. */
@@ -133,9 +149,7 @@ export class ScopeCard {
   change(part) {
     Object.assign(this.config, part);
     for (const key of ["range", "trigger"]) if (this.config[key] === null) delete this.config[key];
-    const cursors = this.chart.cursors;
     this.rebuild();
-    if (cursors && this.chart.cursors) this.chart.cursors.on = false;
     this.pause(false);
     this.onchange(this);
   }
@@ -193,6 +207,14 @@ export class ScopeCard {
     this.changed();
   }
 
+  /** Turns a style of the spectrum on or off. */
+  restyle(name) {
+    this.chart[name] = !this.chart[name];
+    this.chart.restyled();
+    this.setPressed();
+    this.changed();
+  }
+
   /** Keys of the plot that are not the gestures' own. */
   key(name) {
     const action = { " ": () => this.pause(!this.paused), c: () => this.toggleCursors(), t: () => this.toggleTrigger(), z: () => this.back(), 0: () => this.back() }[name];
@@ -206,6 +228,11 @@ export class ScopeCard {
     cursors.setAttribute("aria-pressed", this.chart.cursors?.on ?? false);
     trigger.setAttribute("aria-pressed", Boolean(this.config.trigger));
     trigger.hidden = this.config.kind !== "time";
+    cursors.hidden = !this.chart.cursors;
+    for (const style of this.styles) {
+      style.hidden = this.config.kind !== "spectrum";
+      style.setAttribute("aria-pressed", Boolean(this.chart[style.value]));
+    }
   }
 
   /**
@@ -236,7 +263,7 @@ export class ScopeCard {
     this.numbers_ms = now_ms;
     this.legend.update(this.store);
     this.tools.back.disabled = !this.chart.view.zoomed;
-    this.readings.show(this.chart.cursors?.on ? this.chart.table(this.hidden) : null);
+    this.readings.show(this.chart.table(this.hidden));
     this.showState();
     if (now_ms - this.words_ms < WORDS_MS) return;
     this.words_ms = now_ms;
@@ -282,6 +309,15 @@ export class ScopeCard {
     this.sight.disconnect();
     this.element.remove();
   }
+}
+
+/** How a spectrum is drawn: of this page only, not saved. */
+function spectrumStyles(card) {
+  const names = [["decibels", "dB", "Amplitude in decibels"], ["logarithmic", "log f", "Frequency by decades"]];
+  return names.map(([value, text, title]) => {
+    const onclick = () => card.restyle(value);
+    return element("button", { type: "button", class: "scope-tool scope-word", value, text, title, "aria-label": title, onclick });
+  });
 }
 
 function spanText(span_s) {

@@ -3,37 +3,40 @@
 
 import { element } from "./scope_parts.js";
 
-const HEAD = ["", "A", "B", "B \u2212 A"];
 
 export class Readings {
   constructor() {
     this.rows = element("tbody");
     this.note = element("caption");
-    const head = element("tr", {}, ...HEAD.map((text) => element("th", { scope: "col", text })));
-    this.element = element("table", { class: "scope-readings", hidden: true }, this.note, element("thead", {}, head), this.rows);
+    this.head = element("tr");
+    this.element = element("table", { class: "scope-readings", hidden: true }, this.note, element("thead", {}, this.head), this.rows);
   }
 
   /**
-   * @param {{head: object, rows: object[], note: string}|null} table null hides it
+   * @param {{head: string[], rows: {cells: string[], colour: string|null}[], note: string}|null} table null hides it
    */
   show(table) {
     this.element.hidden = !table;
     if (!table) return;
-    const rows = [table.head, ...table.rows];
-    while (this.rows.rows.length > rows.length) this.rows.deleteRow(-1);
-    while (this.rows.rows.length < rows.length) this.rows.append(row());
-    rows.forEach((entry, k) => fill(this.rows.rows[k], entry));
+    if (this.head.cells.length !== table.head.length) {
+      this.head.replaceChildren(...table.head.map(() => element("th", { scope: "col" })));
+      this.rows.replaceChildren();
+    }
+    table.head.forEach((text, k) => put(this.head.cells[k], text));
+    while (this.rows.rows.length > table.rows.length) this.rows.deleteRow(-1);
+    while (this.rows.rows.length < table.rows.length) this.rows.append(row(table.head.length));
+    table.rows.forEach(({ cells, colour }, k) => fill(this.rows.rows[k], cells, colour));
     put(this.note, table.note);
   }
 }
 
-function row() {
-  return element("tr", {}, element("th", { scope: "row" }), ...[1, 2, 3].map(() => element("td")));
+function row(columns) {
+  return element("tr", {}, element("th", { scope: "row" }), ...Array.from({ length: columns - 1 }, () => element("td")));
 }
 
-function fill(target, { label, colour, a, b, difference }) {
-  [label, a, b, difference].forEach((text, k) => put(target.cells[k], text));
-  target.cells[0].style.borderLeft = colour ? `3px solid ${colour}` : "3px solid transparent";
+function fill(target, cells, colour) {
+  cells.forEach((text, k) => put(target.cells[k], text));
+  target.cells[0].style.borderLeft = `3px solid ${colour ?? "transparent"}`;
 }
 
 function put(target, text) {

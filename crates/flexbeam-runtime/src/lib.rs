@@ -13,11 +13,13 @@ pub mod hil;
 pub mod line;
 pub mod port;
 pub mod rig_side;
+pub mod scope;
 pub mod serial;
 pub mod served_rig;
 pub mod udp;
 pub mod wire;
 
+mod address;
 mod cause;
 mod clock;
 mod control_socket;
@@ -43,6 +45,7 @@ mod standing;
 mod view;
 mod watchdog;
 
+pub use address::{NoAddress, ViewerAddress};
 pub use cause::{Cause, RunFault, kernel_words};
 pub use clock::{Clock, Monotonic, NS_PER_S};
 pub use control_socket::{BoundSocket, ControlSocket, NoSocket, Steering, change_reference};

@@ -29,8 +29,8 @@ pub struct RunContext {
 /// Scales and zeroes of the sensors, which stay as they are for the whole run.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Calibration {
-    theta: Channel,
-    alpha: Channel,
+    pub(crate) theta: Channel,
+    pub(crate) alpha: Channel,
 }
 
 impl Calibration {

@@ -3,6 +3,7 @@
 mod export;
 mod rig;
 mod run;
+mod scope;
 #[cfg(feature = "foxglove")]
 mod viewers;
 
@@ -15,6 +16,7 @@ use crate::nominal::Nominal;
 pub use export::{Export, Form};
 pub use rig::{Experiment, Rig, RigTest, ServeRig};
 pub use run::{RigLink, Run, Signal, Tell, What};
+pub use scope::Scope;
 #[cfg(feature = "foxglove")]
 pub use viewers::Viewers;
 

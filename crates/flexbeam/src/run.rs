@@ -3,6 +3,7 @@
 mod certified;
 mod lines;
 mod reference;
+mod scope;
 mod terminal;
 #[cfg(feature = "foxglove")]
 mod viewers;
@@ -14,6 +15,7 @@ use flexbeam_report::{Cell, Table, engineering};
 use flexbeam_rig::RigParameters;
 use flexbeam_runtime::back_end::BackEnd;
 use flexbeam_runtime::port::Port;
+use flexbeam_runtime::scope::{About, ScopeServer};
 use flexbeam_runtime::{
     BoundSocket, Cause, ControlSocket, ControllerData, EventKind, Latest, Live, NoSocket, Outcome, RunContext, RunSink,
     Session, Setup, Sink, Steering, run_result,
@@ -45,7 +47,7 @@ struct Stopped(String);
 /// Runs the command.
 pub fn run(arguments: &cli::Run) -> Result<(), Failure> {
     let plan = Plan::of(arguments)?;
-    let mut places = Places::take(arguments)?;
+    let mut places = Places::take(arguments, &plan)?;
     let (rig, setup) = plan.rig_at_rest(arguments)?;
     let running = plan.armed(arguments, &places, rig, setup)?;
     let _socket = places.serve(&running.steering)?;
@@ -57,18 +59,20 @@ pub fn run(arguments: &cli::Run) -> Result<(), Failure> {
 struct Places {
     overwrite: Overwrite,
     socket: Option<BoundSocket>,
+    scope: Option<ScopeServer>,
     #[cfg(feature = "foxglove")]
     viewers: Option<flexbeam_runtime::foxglove::Viewers>,
 }
 
 impl Places {
     /// Errors: a file that may not be replaced, a socket or an address that is taken.
-    fn take(arguments: &cli::Run) -> Result<Places, Failure> {
+    fn take(arguments: &cli::Run, plan: &Plan) -> Result<Places, Failure> {
         let overwrite = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
         RunFile::check_free(&arguments.out, overwrite)?;
         Ok(Places {
             overwrite,
             socket: arguments.control.as_deref().map(BoundSocket::bind).transpose().map_err(said_itself)?,
+            scope: scope::open(&arguments.scope, plan.about(arguments))?,
             #[cfg(feature = "foxglove")]
             viewers: viewers::open(&arguments.viewers)?,
         })
@@ -127,6 +131,20 @@ impl Plan {
         })
     }
 
+    /// What the scope tells of it.
+    fn about(&self, arguments: &cli::Run) -> About {
+        About {
+            controller: arguments.controller.display().to_string(),
+            project: None,
+            port: self.port.to_string(),
+            period_s: self.setup.period_s,
+            certificate: None,
+            screen: scope::default_screen(),
+            save: None,
+            asked: self.setup.asked.clone(),
+        }
+    }
+
     /// The rig, opened and at 0 V, with its zeroes in the settings where it was homed.
     ///
     /// Errors: a rig that is not there, does not come to rest, or turns the wrong way.
@@ -155,6 +173,7 @@ impl Plan {
         let latest = Latest::default();
         let recording = RunSink::new(file, &arguments.out, context.clone());
         let sinks: Vec<Box<dyn Sink>> = vec![Box::new(recording), Box::new(latest.clone())];
+        let sinks = scope::with_sink(sinks, places.scope.as_ref(), &header);
         #[cfg(feature = "foxglove")]
         let sinks = viewers::with_sink(sinks, places.viewers.as_ref(), &header);
         let session = Session::arm(rig, setup, sinks).map_err(|refused| {
@@ -165,6 +184,7 @@ impl Plan {
         self.overrides.iter().for_each(|text| session.note(EventKind::Override, text));
         let (controls, live) = (session.controls.clone(), session.live.clone());
         let steering = Steering { controls, live, latest, period_s: context.period_s };
+        scope::admit(places.scope.as_ref(), &session, &steering);
         #[cfg(feature = "foxglove")]
         viewers::admit(places.viewers.as_ref(), &session, &steering);
         Ok(Running { session, steering, context })

@@ -1,0 +1,77 @@
+//! The scope of a run: `--scope`.
+
+use flexbeam_files::{Panel, RunHeader, Scope, ScopeKind, Screen};
+use flexbeam_runtime::scope::{About, ScopeServer, Token};
+use flexbeam_runtime::{Session, Sink, Steering};
+
+use crate::{Failure, cli};
+
+/// Serves the scope, if it is asked for, and says where.
+///
+/// Errors: an address that is taken, or that this machine does not have; a token file that cannot be used.
+pub fn open(arguments: &cli::Scope, about: About) -> Result<Option<ScopeServer>, Failure> {
+    let Some(address) = &arguments.scope else { return Ok(None) };
+    let token = arguments.scope_token_file.as_deref().map_or_else(Token::new, Token::of_file).map_err(said_itself)?;
+    let server = ScopeServer::open(address, token, about).map_err(said_itself)?;
+    eprintln!("scope: {}", server.url());
+    if !server.address().is_loopback() {
+        eprintln!("warning: whoever reaches this address sees the run; the token travels in clear");
+    }
+    Ok(Some(server))
+}
+
+/// The server's own errors say what was tried.
+fn said_itself(refused: impl std::error::Error + Send + Sync + 'static) -> Failure {
+    Failure::Input { tried: String::new(), error: Box::new(refused) }
+}
+
+/// The sinks, and the scope's behind them: the recording comes first.
+pub fn with_sink(sinks: Vec<Box<dyn Sink>>, scope: Option<&ScopeServer>, header: &RunHeader) -> Vec<Box<dyn Sink>> {
+    let sink = scope.map(|scope| Box::new(scope.sink(header)) as Box<dyn Sink>);
+    sinks.into_iter().chain(sink).collect()
+}
+
+/// Lets viewers with the token at the run.
+pub fn admit(scope: Option<&ScopeServer>, session: &Session, steering: &Steering) {
+    if let Some(scope) = scope {
+        scope.steer(steering.clone(), session.notes());
+    }
+}
+
+/// What is shown where no project says otherwise.
+pub fn default_screen() -> Screen {
+    let scope = |title: &str, signals: &[&str]| Scope {
+        title: title.into(),
+        kind: ScopeKind::Time,
+        signals: signals.iter().map(|signal| (*signal).into()).collect(),
+        span_s: 10.0,
+        range: None,
+        trigger: None,
+    };
+    let panel = |title: &str, settings: &[&str]| Panel {
+        title: title.into(),
+        settings: settings.iter().map(|key| (*key).into()).collect(),
+        ranges: Default::default(),
+    };
+    Screen {
+        scopes: vec![
+            scope("Tip angle", &["reference_rad", "psi_rad", "y_model_rad"]),
+            scope("Voltage", &["voltage_v", "u_v"]),
+            scope("Deflection", &["alpha_rad"]),
+        ],
+        panels: vec![
+            panel(
+                "Reference",
+                &[
+                    "reference.shape",
+                    "reference.amplitude_rad",
+                    "reference.offset_rad",
+                    "reference.period_s",
+                    "smooth_ticks",
+                ],
+            ),
+            panel("Law", &["law", "u_p_plus_v", "u_p_minus_v", "eps_u_v", "eps_e_rad"]),
+            panel("Limits", &["voltage_limit_v", "deflection_limit_rad", "theta_limit_rad", "theta_step_limit_rad"]),
+        ],
+    }
+}
