@@ -3,7 +3,7 @@
 import { element, write } from "./element.js";
 import { runTime } from "./number.js";
 
-const MARKS = { armed: "○", started: "●", stopped: "■", fault: "▲", warning: "!", override: "✎", lost: "…" };
+const MARKS = { armed: "○", started: "●", stopped: "■", fault: "▲", warning: "!", override: "✎", control: "✎", lost: "…" };
 
 export class Events {
   /** @param {{root: HTMLElement, announcer: HTMLElement}} about */

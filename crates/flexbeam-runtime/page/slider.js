@@ -9,8 +9,12 @@ const EVERY_MS = 50;
 const REACH = 4;
 /** A slider that reaches so far already is left as it is, so that it does not change under the hand. */
 const KEPT = [1.001, 20];
+/** The least positive number: a knob that takes every number above zero has it as its low end. */
+const LEAST = 5e-324;
 /** Places at which a dragged slider stops, at least. */
 const PLACES = 200;
+
+const isFloor = (low) => low === 0 || low === LEAST;
 
 let made = 0;
 
@@ -92,12 +96,12 @@ export class Slider {
   #stretch(shown) {
     const { factor, decimals } = this.knob;
     const [low, high] = this.ends ?? [this.knob.low, this.knob.high];
-    const size = Math.abs(shown);
+    const size = Number.isFinite(shown) ? Math.abs(shown) : 10 ** -decimals * PLACES * PLACES;
     const around = roundUp(Math.max(size * REACH, 10 ** -decimals * PLACES));
-    const isFar = high === null || (this.ends === undefined && low === 0 && size > 0 && around * REACH < high * factor);
+    const isFar = high === null || (this.ends === undefined && isFloor(low) && size > 0 && around * REACH < high * factor);
     const isKept = this.isFar && this.top >= size * KEPT[0] && this.top <= Math.max(size * KEPT[1], around);
     const top = !isFar ? high * factor : isKept ? this.top : around;
-    const bottom = low === null ? -top : low * factor;
+    const bottom = low === null ? -top : low === LEAST ? 10 ** -decimals : low * factor;
     Object.assign(this, { isFar, top });
     this.range.min = bottom;
     this.range.max = top;
