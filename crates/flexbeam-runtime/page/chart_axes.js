@@ -8,8 +8,8 @@ export const FACE = '"Inter", "Segoe UI", system-ui, "Helvetica Neue", "DejaVu S
 
 /** Sizes in CSS pixels. */
 const TEXT = 11.5;
-const ROOM = { left: 50, right: 14, axis: 48, top: 14, bottom: 26 };
-const BETWEEN_X = 84;
+const ROOM = { left: 54, right: 14, axis: 48, top: 14, bottom: 26 };
+const BETWEEN_X = 72;
 const BETWEEN_Y = 34;
 
 /**

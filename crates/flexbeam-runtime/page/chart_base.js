@@ -33,9 +33,14 @@ export class Chart {
     return this.signals;
   }
 
+  /** Units of the vertical axes. */
+  get units() {
+    return unitsOf(this.vertical).slice(0, 2);
+  }
+
   /** Number of vertical axes. */
   get axisCount() {
-    return Math.min(2, unitsOf(this.vertical).length);
+    return this.units.length;
   }
 
   /** Whether moving the horizontal axis by hand must stop the plot first. */
@@ -75,7 +80,7 @@ export class Chart {
    * @param {(signals: object[]) => [number, number]} extent of the signals of an axis, as shown
    */
   fitValues(hidden, now_ms, extent, configured = this.configured()) {
-    const extents = Array.from({ length: this.axisCount }, (_, k) => extent(this.shown(hidden).filter((signal) => this.axis(signal) === k)));
+    const extents = this.units.map((_, k) => extent(this.shown(hidden).filter((signal) => this.axis(signal) === k)));
     this.fitted = this.values.update(extents, this.view.y, configured, now_ms);
     return this.fitted.map((axis) => axis.ends);
   }
@@ -87,7 +92,8 @@ export class Chart {
   }
 
   /** Grid, numbers and border. */
-  drawPaper(context, frame, ends, labels, units = unitsOf(this.vertical)) {
+  drawPaper(context, frame, ends, labels) {
+    const { units } = this;
     drawX(context, frame, paper(), ends, labels);
     this.fitted.forEach((axis, k) => {
       const colour = this.fitted.length > 1 ? this.axisColour(k) : paper().soft;

@@ -10,6 +10,8 @@ const ROOM = 0.06;
 const LOOSE = 0.6;
 /** ... for this long [ms]. */
 const PATIENCE_MS = 1500;
+/** A shared nought may make an axis this many times as long as its data need. */
+const WASTE = 2.6;
 /** Divisions of an axis that is fitted. */
 const DIVISIONS = 6;
 
@@ -37,19 +39,20 @@ export function fitBeside(low, high, other, grounded = false) {
   const divisions = Math.round((other.high - other.low) / other.step);
   const nought = Math.round(-other.low / other.step);
   const tight = fit(low, high, grounded);
-  const shared = nought >= 0 && nought <= divisions && tight.low <= 0 && tight.high >= 0 && fits(tight, nought, divisions);
+  if (nought >= 0 && nought <= divisions && tight.low <= 0 && tight.high >= 0) {
+    // Above nought and below it as many divisions as the other axis has.
+    const least = Math.max(nought > 0 ? -tight.low / nought : 0, nought < divisions ? tight.high / (divisions - nought) : 0);
+    const step = stepAbove(least);
+    const covers = -nought * step <= tight.low && (divisions - nought) * step >= tight.high;
+    if (covers && divisions * step <= WASTE * (tight.high - tight.low)) return { low: -nought * step, high: (divisions - nought) * step, step };
+  }
   for (let step = stepAbove((tight.high - tight.low) / divisions); ; step = stepAbove(step * 1.01)) {
     const bottom = Math.floor(tight.low / step + 1e-9);
     const spare = divisions - (Math.ceil(tight.high / step - 1e-9) - bottom);
-    const from = shared ? -nought : bottom - Math.floor(spare / 2);
-    const covers = from <= bottom && (from + divisions) * step >= tight.high - 1e-9 * step;
-    if (spare >= 0 && covers) return { low: from * step, high: (from + divisions) * step, step };
+    if (spare < 0) continue;
+    const from = bottom - Math.floor(spare / 2);
+    return { low: from * step, high: (from + divisions) * step, step };
   }
-}
-
-/** Whether a shared nought leaves room for what is above and what is below it. */
-function fits({ low, high }, nought, divisions) {
-  return (low === 0 || nought > 0) && (high === 0 || nought < divisions);
 }
 
 /** The ends of one axis in the course of time. */

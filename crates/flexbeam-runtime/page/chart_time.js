@@ -224,6 +224,12 @@ export class TimeChart extends Chart {
     });
   }
 
+  /** Ticks that are shown: [begin, end). */
+  stretchTicks() {
+    const [low, high] = this.axes.x.map((offset) => Math.ceil(this.anchor + offset));
+    return { begin: low, end: Math.min(high, this.newest + 1) };
+  }
+
   /** What the cursors read; null while they are away. */
   table(hidden) {
     if (!this.cursors.on || !this.axes) return null;

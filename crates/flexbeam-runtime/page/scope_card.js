@@ -11,6 +11,7 @@ import { Legend } from "./scope_legend.js";
 import { element, menu, retool, tool } from "./scope_parts.js";
 import { Readings } from "./scope_readings.js";
 import { ScopeSheet } from "./scope_sheet.js";
+import { takeSnapshot } from "./snapshot.js";
 import { SpectrumChart } from "./spectrum.js";
 import { XyChart } from "./xy.js";
 
@@ -73,7 +74,8 @@ export class ScopeCard {
     };
     const settings = tool("settings", "Signals and settings", () => this.openSheet());
     this.styles = spectrumStyles(this);
-    const entries = [["Move up", move(-1)], ["Move down", move(1)], ["Remove", () => onremove(this)]];
+    const shot = (kind) => () => this.snapshot(kind);
+    const entries = [["Picture (PNG)", shot("png")], ["Drawing (SVG)", shot("svg")], ["Samples (CSV)", shot("csv")], ["Move up", move(-1)], ["Move down", move(1)], ["Remove", () => onremove(this)]];
     const bar = element("div", { class: "scope-tools", role: "toolbar" }, ...this.styles, ...Object.values(this.tools), settings, ...menu("More", entries));
     this.head = element("header", { class: "scope-head" }, this.title, this.state, bar);
     this.element = element("section", { class: "scope" }, this.head, this.gone, this.plot, this.readings.element);
@@ -136,8 +138,8 @@ export class ScopeCard {
       this.changed();
     });
     this.resize.observe(this.plot);
-    this.sight = new IntersectionObserver(([entry]) => (this.seen = entry.isIntersecting), { rootMargin: "80px" });
-    this.sight.observe(this.element);
+    this.watcher = new IntersectionObserver(([entry]) => (this.seen = entry.isIntersecting), { rootMargin: "80px" });
+    this.watcher.observe(this.element);
   }
 
   /** To be drawn again at the next frame. */
@@ -215,6 +217,20 @@ export class ScopeCard {
     this.changed();
   }
 
+  /** Offers what one sees as a file. */
+  snapshot(kind, when = new Date()) {
+    if (!this.chart.axes) return undefined;
+    this.changed();
+    return takeSnapshot(kind, this.sight(when), when, devicePixelRatio);
+  }
+
+  sight(when) {
+    const { width, height } = this.size;
+    const run = this.store.count > 0 ? `, run time ${seconds(this.chart.newest * this.store.period_s, 3)}` : "";
+    const stamp = `${when.toLocaleString("sv-SE")}${run}`;
+    return { chart: this.chart, hidden: this.hidden, title: this.config.title, stamp, width, height, now_ms: this.now_ms };
+  }
+
   /** Keys of the plot that are not the gestures' own. */
   key(name) {
     const action = { " ": () => this.pause(!this.paused), c: () => this.toggleCursors(), t: () => this.toggleTrigger(), z: () => this.back(), 0: () => this.back() }[name];
@@ -245,6 +261,7 @@ export class ScopeCard {
     const stamp = `${this.chart.stamp(now_ms)} ${devicePixelRatio}`;
     if (stamp === this.stamp) return;
     this.stamp = stamp;
+    this.now_ms = now_ms;
     this.fitCanvas();
     this.chart.compose(this.frame, this.hidden, now_ms);
     this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
@@ -306,7 +323,7 @@ export class ScopeCard {
 
   destroy() {
     this.resize.disconnect();
-    this.sight.disconnect();
+    this.watcher.disconnect();
     this.element.remove();
   }
 }

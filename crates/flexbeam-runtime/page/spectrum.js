@@ -32,6 +32,15 @@ export class SpectrumChart extends Chart {
     this.made = "";
   }
 
+  /** Decibels have one axis, whatever they are over. */
+  get units() {
+    return this.decibels ? ["dB"] : super.units;
+  }
+
+  axis(signal) {
+    return this.decibels ? 0 : super.axis(signal);
+  }
+
   stamp(now_ms) {
     return this.frozen ? `frozen ${this.store.epoch}` : `${this.store.epoch} ${this.store.count > 0} ${Math.floor(now_ms / EVERY_MS)}`;
   }
@@ -101,7 +110,7 @@ export class SpectrumChart extends Chart {
   }
 
   render(context, frame, hidden) {
-    this.drawPaper(context, frame, this.axes.x, this.labels(frame), this.decibels ? ["dB", "dB"] : undefined);
+    this.drawPaper(context, frame, this.axes.x, this.labels(frame));
     const signals = this.shown(hidden).filter((signal) => this.spectra.has(signal.key));
     if (signals.length === 0) return drawWords(context, frame, paper(), this.lacking());
     clipped(context, frame, () => signals.forEach((signal) => this.drawOne(context, frame, signal)));
@@ -199,6 +208,11 @@ export class SpectrumChart extends Chart {
     return this.spectra.get(key)?.spectrum[Math.round(this.frequency(coordinate) / this.bin_hz)] ?? NaN;
   }
 
+  /** Ticks that the spectra are made of: [begin, end). */
+  stretchTicks() {
+    return { begin: this.newest + 1 - this.n, end: this.newest + 1 };
+  }
+
   /** Peaks, and what the cursors read. */
   table(hidden) {
     if (!this.axes) return null;
@@ -210,7 +224,8 @@ export class SpectrumChart extends Chart {
       const read = cursors.map((coordinate) => this.amplitudeText(this.amplitudeAt(signal.key, coordinate), signal.unit));
       return { cells: [signal.label, f_hz, amplitude, ...read], colour: colourOf(signal.key) };
     });
-    const over = this.decibels ? `; dB over 1 ${[...new Set(signals.map((signal) => signal.unit))].join(", 1 ")}` : "";
+    const units = [...new Set(signals.map((signal) => quantity(1, 0, signal.unit)))];
+    const over = this.decibels ? `; dB over ${units.join(", ")}` : "";
     const lacking = this.missing > 0 ? `; ${this.missing} missing ones interpolated` : "";
     const note = `${this.n} samples, Hann window, bins of ${quantity(this.bin_hz, 4, "Hz")}${over}${lacking}`;
     return { head: ["", "Peak at", "Amplitude", ...heads], rows, note };

@@ -96,6 +96,12 @@ export class XyChart extends Chart {
     if (x >= 0 && x <= frame.width && y >= 0 && y <= frame.height) spot(context, frame, colourOf(signal.key), frame.left + x, frame.top + y);
   }
 
+  /** Ticks that are shown: [begin, end). */
+  stretchTicks() {
+    const end = this.newest + 1;
+    return { begin: Math.ceil(end - this.scope.span_s / this.store.period_s), end };
+  }
+
   /** The newest pair. */
   table(hidden) {
     if (!this.axes || this.signals.length < 2 || this.store.count === 0) return null;
