@@ -7,12 +7,13 @@ const GOES_ON = "The run goes on without this page. To stop it: the terminal, or
 export class Banner {
   /** @param {{root: HTMLElement, retry: () => void}} about */
   constructor({ root, retry }) {
+    this.again = element("button", { type: "button", class: "quiet", onclick: () => (this.isRefused ? location.reload() : retry()) });
     this.title = element("strong");
     this.words = element("span");
     this.since = element("span", { class: "since" });
     this.link = element("div", { class: "banner lost", hidden: true },
       element("p", { role: "alert" }, this.title, " ", this.words), this.since,
-      element("button", { type: "button", class: "quiet", text: "Try now", onclick: retry }));
+      this.again);
     this.text = element("p", { role: "alert" });
     this.notice = element("div", { class: "banner notice", hidden: true }, this.text, iconButton("Dismiss", PATHS.cross, () => { this.notice.hidden = true; }));
     root.append(this.link, this.notice);
@@ -29,6 +30,8 @@ export class Banner {
     const isLost = link.stage === "lost" || link.stage === "refused";
     this.link.hidden = !isLost;
     if (!isLost) return;
+    this.isRefused = link.stage === "refused";
+    write(this.again, this.isRefused ? "Reload page" : "Try now");
     const goesOn = hello !== null && !hasEnded;
     write(this.title, hello === null ? "No connection to flexbeam." : "Connection lost.");
     write(this.words, goesOn ? `${link.why} ${GOES_ON}` : hello === null ? `${link.why} Is the run still going on, at this address?` : link.why);

@@ -10,6 +10,7 @@ export class Choice {
     made += 1;
     const name = `choice-${made}`;
     this.commit = commit;
+    this.why_fixed = knob.why_fixed;
     this.waiting = 0;
     this.radios = knob.words.map((word) => element("input", { type: "radio", name, value: word, onchange: () => this.#choose(word) }));
     const segments = this.radios.map((radio) => element("label", {}, radio, element("span", { text: sentence(radio.value) })));
@@ -17,13 +18,13 @@ export class Choice {
     this.element = element("fieldset", { class: "knob choice" }, element("legend", { text: knob.label }), element("div", { class: "segments" }, ...segments), this.note);
   }
 
-  /** @param {{value: string, why: string|null, knob: Object}} now */
-  update({ value, why, knob }) {
+  /** @param {{value: string, why: string|null}} now why: the reason why nothing may be changed */
+  update({ value, why }) {
     this.value = value;
-    const reason = knob.why_fixed ?? why;
+    const reason = this.why_fixed ?? why;
     this.element.disabled = reason !== null;
     attribute(this.element, "title", reason);
-    if (knob.why_fixed !== null) write(this.note, `Fixed: ${knob.why_fixed}`);
+    if (this.why_fixed !== null) write(this.note, `Fixed: ${this.why_fixed}`);
     if (this.waiting === 0) this.#show();
   }
 

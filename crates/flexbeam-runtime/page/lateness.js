@@ -22,7 +22,7 @@ export class Lateness {
     this.cells = Object.fromEntries(["Median", "99 %", "Longest", "Missed", "Stale"].map((name) => [name, element("dd", { text: "–" })]));
     const list = Object.entries(this.cells).map(([name, cell]) => element("div", {}, element("dt", { text: name }), cell));
     this.axis = drawing("g", { class: "axis" });
-    this.picture = drawing("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", class: "histogram" }, this.axis, ...this.parts.map((part) => part.path));
+    this.picture = drawing("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", class: "histogram", "aria-label": "Histogram of lateness and execution time: no ticks yet" }, this.axis, ...this.parts.map((part) => part.path));
     const legend = this.parts.map((part) => element("span", { class: "key", style: { "--signal": colourOf(part.key) } }, part.signal.label));
     this.legend = element("p", { class: "legend" }, ...legend);
     root.replaceChildren(element("h2", { text: "Lateness of the loop" }), element("dl", { class: "timing" }, ...list), this.picture, this.legend);

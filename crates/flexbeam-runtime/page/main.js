@@ -13,6 +13,7 @@ import { Lateness } from "./lateness.js";
 import { Layout } from "./layout.js";
 import { Readouts } from "./readouts.js";
 import { openResult } from "./result.js";
+import { Sheet } from "./sheet.js";
 import { RunState } from "./state.js";
 import { Store } from "./store.js";
 import { Theme } from "./theme.js";
@@ -23,35 +24,26 @@ import { keep, kept, keyOfTab, nameOfViewer, takeToken } from "./identity.js";
 const place = (id) => document.getElementById(id);
 const state = new RunState();
 const frames = new FrameTimes();
-const facts = Object.fromEntries(["control", "certificate", "lateness", "events"].map((name) => [name, element("section", { class: `card ${name}` })]));
-let store = null;
-let layout = null;
-let readouts = null;
-let lateness = null;
+const facts = Object.fromEntries(["certificate", "lateness", "here", "events"].map((name) => [name, element("section", { class: `card ${name}` })]));
+/** What belongs to one run: store, layout, readouts, lateness. */
+let shown = null;
 
 const banner = new Banner({ root: place("banner"), retry: () => connection.retry() });
 const tell = (text) => banner.tell(text);
 const request = (message) => connection.request(message);
-const theme = new Theme(refresh);
+const theme = new Theme(() => refresh());
 const top = new TopBar({ root: place("top"), act: (what) => request({ type: "do", request: { do: what } }), tell, theme, help });
-const viewers = new Viewers({ root: facts.control, sheets: place("sheets"), request, tell, rename, token: enterToken });
+const viewers = new Viewers({ control: place("control"), list: facts.here, sheets: place("sheets"), request, tell, rename, token: enterToken });
 const events = new Events({ root: facts.events, announcer: place("announcer") });
 place("facts").append(...Object.values(facts));
 const connection = new Connection({
-  token: takeToken(), key: keyOfTab(), name: nameOfViewer(), newest: () => store?.last ?? NaN,
+  token: takeToken(), key: keyOfTab(), name: nameOfViewer(), newest,
   onmessage: take, onsamples: takeSamples,
   onlink: (link) => { state.link = link; update(); },
 });
 
 function take(message) {
-  const isAnother = message.type === "hello" && state.isAnother(message);
-  if (isAnother) {
-    state.begin();
-    layout.destroy();
-    layout = null;
-    store = null;
-    if (connection.after !== null) return connection.again();
-  }
+  if (message.type === "hello" && state.isAnother(message)) forget();
   state.apply(message);
   if (message.type === "hello") greet(message);
   if (message.type === "event") events.add(message);
@@ -60,16 +52,38 @@ function take(message) {
   update();
 }
 
+/** What the page has already, and of which run; the rest is sent again. */
+function newest() {
+  const after = shown?.store.last;
+  return Number.isFinite(after) ? { after, run: state.hello.run.start_unix_ns } : { after: null };
+}
+
+/** Another run, or one that was not armed yet: nothing of the last one stays. */
+function forget() {
+  if (state.wasArmed) {
+    Sheet.open?.close();
+    tell("Another run began at this address.");
+  }
+  state.begin();
+  shown.layout.destroy();
+  shown = null;
+}
+
 /** A first greeting builds the page; later ones of the same run only go on. */
 function greet(hello) {
   events.clear();
-  if (layout !== null) return;
-  store = new Store({ signals: hello.signals, period_s: hello.run.period_s });
+  if (shown !== null) return;
+  const { signals, certificate, run } = hello;
+  const store = new Store({ signals, period_s: run.period_s });
   window.flexbeam.store = store;
-  readouts = new Readouts({ root: place("readouts"), signals: hello.signals });
-  lateness = new Lateness({ root: facts.lateness, signals: hello.signals });
-  showCertificate(facts.certificate, hello.certificate);
-  layout = new Layout({ scopes: place("scopes"), panels: place("panels"), hello, store, state, request, tell, commit: (key, value) => request({ type: "set", values: { [key]: value } }) });
+  const commit = (key, value) => request({ type: "set", values: { [key]: value } });
+  shown = {
+    store,
+    readouts: new Readouts({ root: place("readouts"), signals }),
+    lateness: new Lateness({ root: facts.lateness, signals }),
+    layout: new Layout({ scopes: place("scopes"), panels: place("panels"), hello, store, state, request, tell, commit }),
+  };
+  showCertificate(facts.certificate, certificate);
   mayTake = kept("released") === null;
 }
 
@@ -83,8 +97,8 @@ function takeFreeSeat() {
 function takeSamples(message) {
   try {
     const frame = decode(message);
-    store.push(frame);
-    lateness.take(frame);
+    shown.store.push(frame);
+    shown.lateness.take(frame);
   } catch (error) {
     tell(`A frame of samples was not understood: ${error.message}. Reload the page.`);
   }
@@ -94,13 +108,13 @@ function update() {
   top.update(state);
   banner.update(state);
   viewers.update(state);
-  lateness?.update(state);
-  layout?.update(state);
+  shown?.lateness.update(state);
+  shown?.layout.update(state);
 }
 
 function refresh() {
   themeChanged();
-  [layout, readouts, lateness].forEach((part) => part?.refresh());
+  if (shown) [shown.layout, shown.readouts, shown.lateness].forEach((part) => part.refresh());
 }
 
 function rename(name) {
@@ -122,18 +136,22 @@ function help() {
 
 function draw(now_ms) {
   const began = performance.now();
-  layout?.draw(now_ms);
-  readouts?.draw(now_ms, store, state.isLive && !state.hasEnded);
-  lateness?.draw(now_ms);
+  if (shown) drawRun(shown, now_ms);
   frames.add(performance.now() - began);
   requestAnimationFrame(draw);
+}
+
+function drawRun({ store, layout, readouts, lateness }, now_ms) {
+  layout.draw(now_ms);
+  readouts.draw(now_ms, store, state.isLive && !state.hasEnded);
+  lateness.draw(now_ms);
 }
 
 addEventListener("keydown", (event) => {
   const isTyped = event.target.matches?.("input:not([type=range]):not([type=radio]):not([type=checkbox]), textarea, select");
   if (isTyped || event.ctrlKey || event.altKey || event.metaKey) return;
   if (event.key === "?") help();
-  if (event.key === "p") layout?.togglePause();
+  if (event.key === "p") shown?.layout.togglePause();
 });
 addEventListener("hashchange", () => {
   const token = takeToken();
@@ -141,6 +159,6 @@ addEventListener("hashchange", () => {
 });
 setInterval(() => { banner.update(state); viewers.update(state); }, 500);
 
-window.flexbeam = { frames, store, connection };
+window.flexbeam = { frames, store: null, connection };
 update();
 requestAnimationFrame(draw);

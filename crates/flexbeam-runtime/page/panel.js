@@ -42,15 +42,26 @@ export class Panel {
       attribute(button, "aria-label", label);
       attribute(button, "title", label);
     });
-    this.knobs = new Map(panel.settings.filter((key) => knobs.has(key)).map((key) => [key, this.#knob(knobs.get(key))]));
+    this.knobs = new Map(panel.settings.filter((key) => knobs.has(key)).map((key) => [key, this.#row(knobs.get(key))]));
     const gone = panel.settings.filter((key) => !knobs.has(key)).map((key) => element("p", { class: "note gone", text: `${key}: not a setting of this run` }));
-    this.rows.replaceChildren(this.why, ...[...this.knobs.values()].map((knob) => knob.element), ...gone);
+    this.rows.replaceChildren(this.why, ...[...this.knobs.values()].map((row) => row.control.element), ...gone);
     if (this.state) this.update(this.state);
   }
 
-  #knob(knob) {
+  #row(knob) {
     const commit = (value) => this.commit(knob.key, value);
-    return knob.words ? new Choice({ knob, commit }) : new Slider({ knob, ends: this.configuration.ranges?.[knob.key], commit });
+    const control = knob.words ? new Choice({ knob, commit }) : new Slider({ knob, ends: this.configuration.ranges?.[knob.key], commit });
+    return { text: JSON.stringify(knob), control };
+  }
+
+  /** A knob whose limits, unit or words changed gets a control of its new kind. */
+  #renew(key, knob) {
+    const row = this.knobs.get(key);
+    if (row.text === JSON.stringify(knob)) return row;
+    const next = this.#row(knob);
+    row.control.element.replaceWith(next.control.element);
+    this.knobs.set(key, next);
+    return next;
   }
 
   /** Shows the values in force and whether they may be changed. */
@@ -59,8 +70,9 @@ export class Panel {
     const why = state.whyLocked;
     write(this.why, why ?? "");
     this.element.classList.toggle("locked", why !== null);
-    for (const [key, knob] of this.knobs) {
-      if (key in state.values && state.knobs.has(key)) knob.update({ value: state.values[key], why, knob: state.knobs.get(key) });
+    for (const key of [...this.knobs.keys()].filter((one) => state.knobs.has(one))) {
+      const { control } = this.#renew(key, state.knobs.get(key));
+      control.update({ value: state.values[key] ?? Infinity, why });
     }
   }
 

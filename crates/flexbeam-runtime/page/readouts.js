@@ -43,6 +43,6 @@ function figure(signal) {
   const number = element("span", { class: "number" });
   const made = element("div", { class: "readout", role: "group", "aria-label": `${signal.label} in ${signal.unit}` },
     element("p", { class: "label", text: signal.label }),
-    element("p", { class: "value" }, number, element("span", { class: "unit", text: signal.unit })));
+    element("p", { class: "value" }, number, element("span", { class: signal.unit === "°" ? "unit degree" : "unit", text: signal.unit })));
   return { signal, number, element: made };
 }

@@ -18,9 +18,9 @@ export class Sheet {
     this.onclose = onclose;
     this.before = document.activeElement;
     this.element = element("dialog", { class: `sheet ${kind}`, "aria-labelledby": id },
-      element("header", {}, element("h2", { id, text: title }), iconButton("Close", PATHS.cross, () => this.close())),
-      element("div", { class: "body" }, ...body),
-      actions.length ? element("footer", {}, ...actions) : null);
+      element("div", { class: "head" }, element("h2", { id, text: title }), iconButton("Close", PATHS.cross, () => this.close())),
+      element("div", { class: "body", tabindex: 0 }, ...body),
+      actions.length ? element("div", { class: "foot" }, ...actions) : null);
     this.element.addEventListener("keydown", (event) => {
       if (event.key !== "Escape" || event.defaultPrevented) return;
       event.preventDefault();

@@ -5,10 +5,16 @@ import { attribute, element, write } from "./element.js";
 import { fixed, roundUp, typed, withUnit } from "./number.js";
 
 const EVERY_MS = 50;
-/** Where a knob has no end, the slider reaches this many times the value. */
+/** Where a knob has no end, or one far away, the slider reaches this many times the value. */
 const REACH = 4;
+/** A slider that reaches so far already is left as it is, so that it does not change under the hand. */
+const KEPT = [1.001, 20];
+/** The least positive number: a knob that takes every number above zero has it as its low end. */
+const LEAST = 5e-324;
 /** Places at which a dragged slider stops, at least. */
 const PLACES = 200;
+
+const isFloor = (low) => low === 0 || low === LEAST;
 
 let made = 0;
 
@@ -46,17 +52,16 @@ export class Slider {
 
   /**
    * Shows the value in force and whether it may be changed.
-   * @param {{value: number, why: string|null, knob: Object}} now value in SI; why: the reason why nothing may be changed
+   * @param {{value: number, why: string|null}} now value in SI; why: the reason why nothing may be changed
    */
-  update({ value, why, knob }) {
-    const unlimited = this.knob !== knob;
-    this.knob = knob;
+  update({ value, why }) {
+    const { knob } = this;
     const isLocked = why !== null || knob.why_fixed !== null;
     this.entry.disabled = this.range.disabled = isLocked;
     attribute(this.element, "title", knob.why_fixed ?? why);
     this.element.classList.toggle("fixed", knob.why_fixed !== null);
     if (knob.why_fixed !== null) write(this.note, `Fixed: ${knob.why_fixed}`);
-    if (Object.is(value, this.value) && !unlimited) return;
+    if (Object.is(value, this.value)) return;
     this.value = value;
     this.#show();
   }
@@ -67,11 +72,11 @@ export class Slider {
     const shown = this.value * this.knob.factor;
     this.#stretch(shown);
     this.range.value = shown;
-    if (document.activeElement !== this.entry || !this.isEdited()) this.entry.value = this.#text(shown);
+    if (document.activeElement !== this.entry || !this.#isEdited) this.entry.value = this.#text(shown);
     this.#describe(shown);
   }
 
-  isEdited() {
+  get #isEdited() {
     return this.entry.value !== this.written;
   }
 
@@ -87,20 +92,22 @@ export class Slider {
     this.range.style.setProperty("--zero", Math.max(0, Math.min(1, -low / (high - low))));
   }
 
-  /** Ends of the slider: the panel's, the knob's, or where there are none, some way around the value. */
+  /** Ends of the slider: the panel's, the knob's, or where those are far, some way around the value: an end that is reached moves on. */
   #stretch(shown) {
     const { factor, decimals } = this.knob;
     const [low, high] = this.ends ?? [this.knob.low, this.knob.high];
-    const around = roundUp(Math.max(Math.abs(shown) * REACH, 10 ** -decimals * PLACES));
-    const kept = Number(this.range.max);
-    const isWide = high === null && kept >= Math.abs(shown) && kept <= around * 5 && this.range.max !== "";
-    const top = high === null ? (isWide ? kept : around) : high * factor;
-    const bottom = low === null ? -top : low * factor;
+    const size = Number.isFinite(shown) ? Math.abs(shown) : 10 ** -decimals * PLACES * PLACES;
+    const around = roundUp(Math.max(size * REACH, 10 ** -decimals * PLACES));
+    const isFar = high === null || (this.ends === undefined && isFloor(low) && size > 0 && around * REACH < high * factor);
+    const isKept = this.isFar && this.top >= size * KEPT[0] && this.top <= Math.max(size * KEPT[1], around);
+    const top = !isFar ? high * factor : isKept ? this.top : around;
+    const bottom = low === null ? -top : low === LEAST ? 10 ** -decimals : low * factor;
+    Object.assign(this, { isFar, top });
     this.range.min = bottom;
     this.range.max = top;
     this.step = Math.max(10 ** -decimals, roundUp((top - bottom) / PLACES / 2.5));
     write(this.low, this.#end(bottom, low === null));
-    write(this.high, this.#end(top, high === null));
+    write(this.high, this.#end(top, isFar));
   }
 
   #end(shown, isOpen) {
@@ -162,7 +169,7 @@ export class Slider {
 
   #entryKey(event) {
     if (event.key === "Enter") this.#enter();
-    if (event.key === "Escape" && this.isEdited()) {
+    if (event.key === "Escape" && this.#isEdited) {
       event.preventDefault();
       this.entry.value = this.written;
       this.entry.select();
@@ -171,7 +178,7 @@ export class Slider {
 
   /** What was typed goes out as it was typed, to the last digit. */
   #enter() {
-    if (!this.isEdited()) return;
+    if (!this.#isEdited) return;
     const { unit, decimals } = this.knob;
     const number = typed(this.entry.value, unit);
     if (Number.isNaN(number)) {

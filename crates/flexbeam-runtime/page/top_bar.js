@@ -6,6 +6,7 @@ import { runTime, withUnit } from "./number.js";
 
 /** Phases in a word, with a mark that does not need its colour. */
 const PHASES = {
+  configured: { word: "Getting ready", mark: "…" },
   armed: { word: "Armed", mark: "○" },
   running: { word: "Running", mark: "●" },
   stopped: { word: "Stopped", mark: "■" },
@@ -13,7 +14,7 @@ const PHASES = {
   lost: { word: "No connection", mark: "✕" },
   connecting: { word: "Connecting", mark: "…" },
 };
-const ICON_COLOURS = { armed: "#e2a93b", running: "#56c28c", stopped: "#9aa8b5", fault: "#ef5b5b", lost: "#ef5b5b", connecting: "#9aa8b5" };
+const ICON_COLOURS = { configured: "#9aa8b5", armed: "#e2a93b", running: "#56c28c", stopped: "#9aa8b5", fault: "#ef5b5b", lost: "#ef5b5b", connecting: "#9aa8b5" };
 /** Two presses of Esc within this time are an emergency stop [ms]. */
 const TWICE_MS = 600;
 
@@ -36,7 +37,8 @@ export class TopBar {
     this.mark = element("span", { class: "mark", "aria-hidden": "true" });
     this.word = element("span");
     this.pill = element("p", { class: "pill", role: "status" }, this.mark, this.word);
-    this.time = element("p", { class: "time", "aria-label": "Run time" });
+    this.time = element("span");
+    this.clock = element("p", { class: "time" }, element("span", { class: "unseen", text: "Run time " }), this.time);
     this.link = element("p", { class: "link" });
     this.start = element("button", { type: "button", class: "start", text: "Start", onclick: () => this.#press("start", this.start) });
     this.stop = element("button", { type: "button", class: "stop", text: "Stop", onclick: () => this.#press("stop", this.stop) });
@@ -46,7 +48,7 @@ export class TopBar {
     this.#armEmergency();
     root.append(
       element("div", { class: "name" }, beam(), element("div", {}, this.name, this.about)),
-      this.pill, this.time, this.link,
+      this.pill, this.clock, this.link,
       element("div", { class: "tools" }, this.themes, iconButton("Help and keys", PATHS.help, help, { "aria-keyshortcuts": "?" })),
       element("div", { class: "actions", role: "group", "aria-label": "Run" }, this.start, this.stop, this.emergency),
     );
@@ -63,7 +65,7 @@ export class TopBar {
     write(this.word, PHASES[now].word);
     this.pill.dataset.phase = now;
     write(this.time, runTime(state.time_s));
-    this.time.classList.toggle("stale", !state.isLive && !state.hasEnded);
+    this.clock.classList.toggle("stale", !state.isLive && !state.hasEnded);
     write(this.link, linkWords(state));
     this.link.dataset.stage = state.link.stage;
     this.#lock(this.start, state.whyNoStart);

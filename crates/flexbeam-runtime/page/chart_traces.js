@@ -1,0 +1,250 @@
+// Traces of signals over time, one column of extremes per pixel.
+// Enters: a store, a time scale and value scales. Leaves: strokes on a canvas context (or one that writes SVG).
+// Dense signals: first, least, greatest and last sample of every column, which is what a line through all samples
+// would cover. Sparse ones: the line itself, with dots when samples stand far apart.
+
+/** Columns with fewer samples than this are drawn sample by sample. */
+const DENSE = 1.5;
+/** Samples get dots when they stand further apart than this many times the stroke. */
+const DOTTED = 6;
+/** Segments stroked at once. NUMERICS: software rasters slow down with the square of a path's edges. */
+const BATCH = 128;
+/** Dashes: this many strokes' widths on and off. */
+const DASH_ON = 5;
+const DASH_OFF = 3;
+
+/**
+ * @typedef {object} Look what one trace looks like
+ * @property {number} channel in the store
+ * @property {string} colour
+ * @property {boolean} dashed
+ * @property {(value: number) => number} y value [SI] to pixel
+ */
+
+/** A path that is stroked in batches. */
+export class Pen {
+  constructor(context) {
+    this.context = context;
+    this.n = 0;
+    this.x = NaN;
+    this.y = NaN;
+    context.beginPath();
+  }
+
+  lift() {
+    this.x = NaN;
+  }
+
+  to(x, y) {
+    if (Number.isNaN(this.x)) this.context.moveTo(x, y);
+    else this.context.lineTo(x, y);
+    this.x = x;
+    this.y = y;
+    this.n += 1;
+    if (this.n < BATCH) return;
+    this.finish();
+    this.context.beginPath();
+    this.context.moveTo(x, y);
+    this.n = 0;
+  }
+
+  /** A stroke of no length is not drawn by every raster: a hair's breadth is. */
+  dot() {
+    if (!Number.isNaN(this.x)) this.context.lineTo(this.x + 0.01, this.y);
+  }
+
+  finish() {
+    this.context.stroke();
+  }
+}
+
+/**
+ * Draws columns [a, b) of all traces.
+ * @param {CanvasRenderingContext2D} context pixels of the context are columns
+ * @param {{origin: number, width: number}} scale tick of the left end of column 0, ticks in a column
+ * @param {Look[]} looks the last is on top
+ * @param {number} stroke width of a trace [pixels]
+ * @param {(column: number) => number} x left end of a column [pixels]
+ */
+export function drawColumns(context, store, scale, looks, stroke, a, b, x) {
+  if (store.count === 0) return;
+  const columns = store.columns(scale.origin, scale.width, a, b - a);
+  context.lineWidth = stroke;
+  context.lineJoin = "round";
+  context.lineCap = "round";
+  const sparse = columns.from[0] >= store.rawFirst && scale.width < DENSE;
+  for (const look of looks) {
+    context.strokeStyle = look.colour;
+    context.fillStyle = look.colour;
+    const on = look.dashed ? dashes(stroke) : null;
+    if (sparse) drawSparse(context, store, scale, look, stroke, columns.from[0], columns.to[b - a - 1], x, on);
+    else drawDense(context, store, look, columns, a, x, on);
+  }
+}
+
+/** Columns of a dashed trace in which the pen is down: fixed to the columns, so that dashes move with the data. */
+function dashes(stroke) {
+  const on = Math.round(DASH_ON * stroke);
+  const all = on + Math.round(DASH_OFF * stroke);
+  return (column) => ((Math.floor(column) % all) + all) % all < on;
+}
+
+function drawDense(context, store, look, columns, a, x, on) {
+  const pen = new Pen(context);
+  const { channel, y } = look;
+  const ends = [NaN, NaN];
+  const rawFirst = store.rawFirst;
+  let previous = -1;
+  for (let k = 0; k < columns.from.length; k += 1) {
+    const from = columns.from[k];
+    const to = columns.to[k];
+    if (to <= from) continue;
+    store.extremes(channel, from, to, ends);
+    if (Number.isNaN(ends[0])) {
+      pen.lift();
+      continue;
+    }
+    if (from > previous && store.gapBefore(from)) pen.lift();
+    previous = from;
+    const known = from >= rawFirst;
+    const first = known ? store.valueAt(channel, from) : (ends[0] + ends[1]) / 2;
+    const last = known ? store.valueAt(channel, to - 1) : first;
+    drawColumn(pen, x(a + k) + 0.5, y(ends[0]), y(ends[1]), y(first), y(last), !on || on(a + k));
+  }
+  pen.finish();
+}
+
+/** First, extremes, last; a flat column is one point, and a dash leaves out flat columns only. */
+function drawColumn(pen, x, bottom, top, first, last, down) {
+  const flat = Math.abs(top - bottom) < 0.5;
+  if (flat && !down) {
+    pen.lift();
+    return;
+  }
+  const alone = Number.isNaN(pen.x);
+  if (flat) {
+    if (!Number.isNaN(last)) pen.to(x, last);
+    if (alone) pen.dot();
+    return;
+  }
+  if (Number.isNaN(first)) pen.lift();
+  else pen.to(x, first);
+  // The extreme that is further from the last sample comes first: fewer strokes over one another.
+  const upFirst = Math.abs(top - last) > Math.abs(bottom - last);
+  const [one, two] = upFirst ? [top, bottom] : [bottom, top];
+  if (one !== first) pen.to(x, one);
+  pen.to(x, two);
+  if (Number.isNaN(last)) pen.lift();
+  else if (last !== two) pen.to(x, last);
+}
+
+function drawSparse(context, store, scale, look, stroke, from, to, x, on) {
+  const pen = new Pen(context);
+  const at = (index) => x((store.tickAt(index) - scale.origin) / scale.width);
+  // One sample more at either end: the line leads in and out.
+  const begin = Math.max(store.rawFirst, from - 1);
+  const end = Math.min(store.count, to + 1);
+  for (let i = begin; i < end; i += 1) {
+    const value = store.valueAt(look.channel, i);
+    if (Number.isNaN(value)) {
+      pen.lift();
+      continue;
+    }
+    if (i === begin || store.gapBefore(i)) pen.lift();
+    if (on && !Number.isNaN(pen.x)) dashTo(pen, at(i), look.y(value), on, x);
+    else pen.to(at(i), look.y(value));
+  }
+  pen.finish();
+  if (scale.width * DOTTED * stroke < 1) dots(context, store, look, stroke, begin, end, at);
+}
+
+/** A straight stretch, column by column. */
+function dashTo(pen, x, y, on, origin) {
+  const [x0, y0] = [pen.x, pen.y];
+  const steep = Math.abs(y - y0) > 2 * Math.abs(x - x0);
+  const shift = origin(0);
+  for (let next = Math.floor(x0) + 1; next < x && !steep; next += 1) {
+    const there = y0 + ((next - x0) / (x - x0)) * (y - y0);
+    if (on(next - 1 - shift)) pen.to(next, there);
+    else pen.context.moveTo((pen.x = next), (pen.y = there));
+  }
+  pen.to(x, y);
+}
+
+function dots(context, store, look, stroke, begin, end, at) {
+  context.beginPath();
+  for (let i = begin; i < end; i += 1) {
+    const value = store.valueAt(look.channel, i);
+    if (Number.isNaN(value)) continue;
+    const [x, y] = [at(i), look.y(value)];
+    context.moveTo(x + 1.6 * stroke, y);
+    context.arc(x, y, 1.6 * stroke, 0, 2 * Math.PI);
+  }
+  context.fill();
+}
+
+/** Traces that were drawn already: a ring of columns, of which only new ones are drawn. */
+export class TraceLayer {
+  constructor() {
+    this.canvas = document.createElement("canvas");
+    this.context = this.canvas.getContext("2d");
+    this.key = "";
+    this.begin = 0;
+    this.end = 0;
+  }
+
+  /**
+   * Brings columns [first, first + width of the canvas) up to date.
+   * @param {string} key changes whenever what is drawn already is void
+   * @param {number} complete first column that may still change (it holds the newest sample)
+   */
+  update(key, first, complete, width, height, draw) {
+    if (this.canvas.width !== width || this.canvas.height !== height) {
+      this.canvas.width = width;
+      this.canvas.height = height;
+      this.key = "";
+    }
+    const last = first + width;
+    if (key !== this.key || first >= this.end || last <= this.begin) this.begin = this.end = first;
+    this.key = key;
+    if (first < this.begin) {
+      this.strip(first, this.begin, draw);
+      this.begin = first;
+      this.end = Math.min(this.end, last);
+    }
+    if (this.end < last) {
+      this.strip(this.end, last, draw);
+      this.end = last;
+    }
+    this.begin = Math.max(this.begin, this.end - width);
+    // Columns from the newest sample on are drawn again next time.
+    this.end = Math.max(this.begin, Math.min(this.end, complete));
+    this.drawn = { first, width };
+  }
+
+  /** Draws columns [a, b), in two pieces where the ring begins anew. */
+  strip(a, b, draw) {
+    const { width, height } = this.canvas;
+    for (let from = a; from < b; ) {
+      const slot = ((from % width) + width) % width;
+      const to = Math.min(b, from - slot + width);
+      this.context.save();
+      this.context.beginPath();
+      this.context.rect(slot, 0, to - from, height);
+      this.context.clip();
+      this.context.clearRect(slot, 0, to - from, height);
+      const shift = slot - from;
+      draw(this.context, from, to, (column) => column + shift);
+      this.context.restore();
+      from = to;
+    }
+  }
+
+  /** Copies the columns to their place on another canvas. */
+  show(context, left, top) {
+    const { width, height } = this.canvas;
+    const slot = ((this.drawn.first % width) + width) % width;
+    context.drawImage(this.canvas, slot, 0, width - slot, height, left, top, width - slot, height);
+    if (slot > 0) context.drawImage(this.canvas, 0, 0, slot, height, left + width - slot, top, slot, height);
+  }
+}

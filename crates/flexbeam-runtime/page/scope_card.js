@@ -1,0 +1,342 @@
+// One scope of the page: title, tools, legend, plot, readings.
+// Enters: the store, a scope as in `hello`, animation frames. Leaves: an element, and the scope as it is now.
+
+import { frameOf } from "./chart_axes.js";
+import { Gestures } from "./chart_gestures.js";
+import { axisOf, pick, unitsOf } from "./chart_signals.js";
+import { seconds } from "./chart_ticks.js";
+import { TimeChart } from "./chart_time.js";
+import { themeChanged } from "./colours.js";
+import { Legend } from "./scope_legend.js";
+import { element, menu, retool, tool } from "./scope_parts.js";
+import { Readings } from "./scope_readings.js";
+import { ScopeSheet } from "./scope_sheet.js";
+import { takeSnapshot } from "./snapshot.js";
+import { SpectrumChart } from "./spectrum.js";
+import { XyChart } from "./xy.js";
+
+/** Kinds of plots. */
+const CHARTS = { time: TimeChart, xy: XyChart, spectrum: SpectrumChart };
+/** Numbers change at most this often [ms]; the words for a screen reader less often. */
+const NUMBERS_MS = 100;
+const WORDS_MS = 2000;
+/** Spans on offer [s]. */
+const SPANS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1800, 3600];
+
+export class ScopeCard {
+  /**
+   * @param {object} of
+   * @param {import("./store.js").Store} of.store
+   * @param {import("./chart_signals.js").Signal[]} of.signals of the run
+   * @param {object} of.scope as in `hello.screen.scope`
+   * @param {(card: ScopeCard) => void} of.onchange the scope is to be saved
+   * @param {(card: ScopeCard) => void} of.onremove
+   * @param {(card: ScopeCard, by: -1|1) => void} of.onmove
+   */
+  constructor({ store, signals, scope, onchange, onremove, onmove }) {
+    this.store = store;
+    this.all = signals;
+    this.config = structuredClone(scope);
+    this.onchange = onchange;
+    this.hidden = new Set();
+    this.paused = false;
+    this.seen = true;
+    this.stamp = "";
+    this.numbers_ms = -Infinity;
+    this.words_ms = -Infinity;
+    this.size = { width: 0, height: 0 };
+    this.build(onremove, onmove);
+    this.rebuild();
+    this.watch();
+  }
+
+  /** The present configuration, to be saved: SI. */
+  get scope() {
+    return structuredClone(this.config);
+  }
+
+  build(onremove, onmove) {
+    const { config } = this;
+    this.canvas = element("canvas", { role: "img" });
+    this.context = this.canvas.getContext("2d");
+    this.plot = element("div", { class: "scope-plot", tabindex: 0, role: "group" }, this.canvas);
+    this.title = element("input", { class: "scope-title", "aria-label": "Title of the scope", spellcheck: "false", value: config.title, onchange: () => this.rename() });
+    this.state = element("button", { type: "button", class: "scope-state", disabled: true, onclick: () => this.arm() });
+    this.readings = new Readings();
+    this.gone = element("p", { class: "scope-gone", hidden: true });
+    const move = (by) => () => onmove(this, by);
+    this.tools = {
+      span: element("select", { class: "scope-span", "aria-label": "Span", onchange: () => this.change({ span_s: Number(this.tools.span.value) }) }),
+      pause: tool("pause", "Pause", () => this.pause(!this.paused), false),
+      cursors: tool("cursors", "Cursors", () => this.toggleCursors(), false),
+      back: tool("back", "Zoom back", () => this.back()),
+      trigger: tool("trigger", "Trigger", () => this.toggleTrigger(), false),
+    };
+    const settings = tool("settings", "Signals and settings", () => this.openSheet());
+    this.styles = spectrumStyles(this);
+    const shot = (kind) => () => this.snapshot(kind);
+    const entries = [["Picture (PNG)", shot("png")], ["Drawing (SVG)", shot("svg")], ["Samples (CSV)", shot("csv")], ["Move up", move(-1)], ["Move down", move(1)], ["Remove", () => onremove(this)]];
+    const bar = element("div", { class: "scope-tools", role: "toolbar" }, ...this.styles, ...Object.values(this.tools), settings, ...menu("More", entries));
+    this.head = element("header", { class: "scope-head" }, this.title, this.state, bar);
+    this.element = element("section", { class: "scope" }, this.head, this.gone, this.plot, this.readings.element);
+    this.gestures = new Gestures(this.plot, this);
+  }
+
+  /** Everything that follows from the configuration. */
+  rebuild() {
+    const { config } = this;
+    const { signals, gone } = pick(this.all, config.signals);
+    const third = signals.filter((signal) => axisOf(signals, signal) > 1);
+    this.signals = signals.filter((signal) => axisOf(signals, signal) < 2);
+    this.chart = new CHARTS[config.kind]({ store: this.store, scope: config, signals: this.signals });
+    this.legend?.element.remove();
+    this.legend = new Legend(this.signals, this.hidden, () => this.changed());
+    this.head.after(this.legend.element);
+    this.tell(gone, third);
+    this.name();
+    this.offerSpans();
+    this.setPressed();
+    this.changed();
+  }
+
+  openSheet() {
+    const ends = this.chart.axes?.y[0] ?? null;
+    return new ScopeSheet({ scope: this.config, signals: this.all, ends, ontake: (scope) => this.take(scope) });
+  }
+
+  /** The scope of the settings sheet. */
+  take(scope) {
+    this.title.value = scope.title;
+    this.change({ range: null, trigger: null, ...scope });
+  }
+
+  /** What cannot be drawn, and why. */
+  tell(gone, third) {
+    const parts = [];
+    if (gone.length > 0) parts.push(`This run has no ${gone.join(", ")}.`);
+    if (third.length > 0) parts.push(`Not drawn: ${third.map((s) => s.label).join(", ")}. A plot has two axes (${unitsOf(this.signals).join(", ")}).`);
+    this.gone.textContent = parts.join(" ");
+    this.gone.hidden = parts.length === 0;
+  }
+
+  name() {
+    this.element.setAttribute("aria-label", `Scope: ${this.config.title}`);
+    this.plot.setAttribute("aria-label", `Plot of ${this.config.title}. Arrows move, plus and minus zoom, space pauses, c shows cursors.`);
+  }
+
+  offerSpans() {
+    const { span } = this.tools;
+    const spans = [...new Set([...SPANS, this.config.span_s])].sort((a, b) => a - b);
+    span.replaceChildren(...spans.map((s) => element("option", { value: s, text: spanText(s) })));
+    span.value = this.config.span_s;
+  }
+
+  /** Size, sight and the end of both. */
+  watch() {
+    this.resize = new ResizeObserver(([entry]) => {
+      this.size = entry.contentRect;
+      this.changed();
+    });
+    this.resize.observe(this.plot);
+    this.watcher = new IntersectionObserver(([entry]) => (this.seen = entry.isIntersecting), { rootMargin: "80px" });
+    this.watcher.observe(this.element);
+  }
+
+  /** To be drawn again at the next frame. */
+  changed() {
+    this.stamp = "";
+  }
+
+  /** Another configuration, to be saved. */
+  change(part) {
+    Object.assign(this.config, part);
+    for (const key of ["range", "trigger"]) if (this.config[key] === null) delete this.config[key];
+    this.rebuild();
+    this.pause(false);
+    this.onchange(this);
+  }
+
+  rename() {
+    this.config.title = this.title.value.trim() || this.config.title;
+    this.title.value = this.config.title;
+    this.name();
+    this.onchange(this);
+  }
+
+  /** Stops the plot or lets it go on; the store goes on in any case. */
+  pause(yes) {
+    this.paused = yes;
+    this.chart.pause(yes);
+    retool(this.tools.pause, yes ? "play" : "pause", yes ? "Go on" : "Pause");
+    this.setPressed();
+    this.changed();
+  }
+
+  back() {
+    this.chart.view.reset();
+    this.changed();
+  }
+
+  toggleCursors() {
+    if (!this.chart.cursors || !this.chart.axes) return;
+    this.chart.cursors.toggle(this.chart.axes.x);
+    this.setPressed();
+    this.numbers_ms = -Infinity;
+    this.changed();
+  }
+
+  toggleTrigger() {
+    if (this.config.trigger) return this.change({ trigger: null });
+    const signal = this.signals.find((s) => !this.hidden.has(s.key)) ?? this.signals[0];
+    if (!signal) return undefined;
+    const [low, high] = this.chart.axes?.y[axisOf(this.signals, signal)] ?? [0, 0];
+    const level = (low + high) / 2 / signal.factor;
+    return this.change({ trigger: { signal: signal.key, edge: "rising", level, mode: "auto", before: 0.1 } });
+  }
+
+  /** The level of the trigger, dragged. */
+  level(level, done) {
+    this.config.trigger.level = level;
+    this.chart.trigger.wanted.level = level;
+    this.changed();
+    if (done) this.onchange(this);
+  }
+
+  /** A trigger that holds its crossing waits for another. */
+  arm() {
+    this.chart.trigger?.arm(this.store);
+    this.numbers_ms = -Infinity;
+    this.changed();
+  }
+
+  /** Turns a style of the spectrum on or off. */
+  restyle(name) {
+    this.chart[name] = !this.chart[name];
+    this.chart.restyled();
+    this.setPressed();
+    this.changed();
+  }
+
+  /** Offers what one sees as a file. */
+  snapshot(kind, when = new Date()) {
+    if (!this.chart.axes) return undefined;
+    this.changed();
+    return takeSnapshot(kind, this.sight(when), when, devicePixelRatio);
+  }
+
+  sight(when) {
+    const { width, height } = this.size;
+    const run = this.store.count > 0 ? `, run time ${seconds(this.chart.newest * this.store.period_s, 3)}` : "";
+    const stamp = `${when.toLocaleString("sv-SE")}${run}`;
+    return { chart: this.chart, hidden: this.hidden, title: this.config.title, stamp, width, height, now_ms: this.now_ms };
+  }
+
+  /** Keys of the plot that are not the gestures' own. */
+  key(name) {
+    const action = { " ": () => this.pause(!this.paused), c: () => this.toggleCursors(), t: () => this.toggleTrigger(), z: () => this.back(), 0: () => this.back() }[name];
+    action?.();
+    return Boolean(action);
+  }
+
+  setPressed() {
+    const { pause, cursors, trigger } = this.tools;
+    pause.setAttribute("aria-pressed", this.paused);
+    cursors.setAttribute("aria-pressed", this.chart.cursors?.on ?? false);
+    trigger.setAttribute("aria-pressed", Boolean(this.config.trigger));
+    trigger.hidden = this.config.kind !== "time";
+    cursors.hidden = !this.chart.cursors;
+    for (const style of this.styles) {
+      style.hidden = this.config.kind !== "spectrum";
+      style.setAttribute("aria-pressed", Boolean(this.chart[style.value]));
+    }
+  }
+
+  /**
+   * Draws when there is something new. To be called once per animation frame.
+   * @param {number} now_ms time of the frame
+   */
+  draw(now_ms) {
+    if (!this.seen || this.size.width === 0) return;
+    if (now_ms - this.numbers_ms >= NUMBERS_MS) this.drawNumbers(now_ms);
+    const stamp = `${this.chart.stamp(now_ms)} ${devicePixelRatio}`;
+    if (stamp === this.stamp) return;
+    this.stamp = stamp;
+    this.now_ms = now_ms;
+    this.fitCanvas();
+    this.chart.compose(this.frame, this.hidden, now_ms);
+    this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    this.chart.render(this.context, this.frame, this.hidden);
+  }
+
+  fitCanvas() {
+    const unit = devicePixelRatio;
+    const [width, height] = [Math.round(this.size.width * unit), Math.round(this.size.height * unit)];
+    if (this.canvas.width !== width) this.canvas.width = width;
+    if (this.canvas.height !== height) this.canvas.height = height;
+    this.frame = frameOf(width, height, unit, this.chart.axisCount);
+  }
+
+  drawNumbers(now_ms) {
+    this.numbers_ms = now_ms;
+    this.legend.update(this.store);
+    this.tools.back.disabled = !this.chart.view.zoomed;
+    this.readings.show(this.chart.table(this.hidden));
+    this.showState();
+    if (now_ms - this.words_ms < WORDS_MS) return;
+    this.words_ms = now_ms;
+    this.canvas.setAttribute("aria-label", this.summary());
+  }
+
+  showState() {
+    const { trigger } = this.chart;
+    let [state, text] = ["rolling", ""];
+    if (trigger) {
+      state = this.chart.rolls ? "armed" : trigger.state;
+      const at = Number.isNaN(trigger.at) ? "" : ` at ${seconds(trigger.at * this.store.period_s, 3)}`;
+      text = { armed: "Waiting for trigger", triggered: `Triggered${at}`, held: `Held${at}: arm again` }[state];
+    }
+    if (this.paused) [state, text] = ["paused", "Paused"];
+    if (this.state.textContent === text && this.state.dataset.state === state) return;
+    this.state.textContent = text;
+    this.state.dataset.state = state;
+    this.state.disabled = state !== "held";
+  }
+
+  /** The plot in words. */
+  summary() {
+    const values = this.signals
+      .filter((signal) => !this.hidden.has(signal.key))
+      .map((signal, k) => `${signal.label} ${this.legend.values[k].textContent}`);
+    return `${this.config.title}, ${spanText(this.config.span_s)}: ${values.join("; ")}`;
+  }
+
+  /** Theme or signals changed. */
+  refresh(signals = this.all) {
+    themeChanged();
+    if (signals !== this.all) {
+      this.all = signals;
+      this.rebuild();
+    }
+    this.legend.colour();
+    this.changed();
+  }
+
+  destroy() {
+    this.resize.disconnect();
+    this.watcher.disconnect();
+    this.element.remove();
+  }
+}
+
+/** How a spectrum is drawn: of this page only, not saved. */
+function spectrumStyles(card) {
+  const names = [["decibels", "dB", "Amplitude in decibels"], ["logarithmic", "log f", "Frequency by decades"]];
+  return names.map(([value, text, title]) => {
+    const onclick = () => card.restyle(value);
+    return element("button", { type: "button", class: "scope-tool scope-word", value, text, title, "aria-label": title, onclick });
+  });
+}
+
+function spanText(span_s) {
+  return span_s < 1 ? `${span_s * 1000}\u2009ms` : span_s % 60 === 0 ? `${span_s / 60}\u2009min` : `${span_s}\u2009s`;
+}
