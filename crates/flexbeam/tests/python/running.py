@@ -9,6 +9,7 @@ import subprocess
 import threading
 import time
 
+import numpy as np
 from mcap.reader import SeekingReader
 from mcap_ros2.decoder import DecoderFactory
 
@@ -126,8 +127,8 @@ class Recording:
     """An MCAP file as PyPI's readers see it: samples, settings, events, report."""
 
     def __init__(self, path):
-        self.samples, self.settings, self.events = [], [], []
-        topics = {"/settings": self.settings, "/events": self.events}
+        self.samples, self.settings, self.events, reports = [], [], [], []
+        topics = {"/settings": self.settings, "/events": self.events, "/report": reports}
         with open(path, "rb") as file:
             for schema, channel, message in SeekingReader(file, validate_crcs=True).iter_messages():
                 if channel.topic == "/signals":
@@ -135,9 +136,25 @@ class Recording:
                     self.samples.append(decode(message.data))
                 elif channel.topic in topics:
                     topics[channel.topic].append(json.loads(message.data))
+        self.report = reports[-1] if reports else None
 
     def by_tick(self):
         return {sample.tick: sample for sample in self.samples}
 
     def said(self, kind):
         return [event["text"] for event in self.events if event["kind"] == kind]
+
+
+def as_recorded(held, recording, lost=0):
+    """What a page holds is what was recorded, to the last bit of a float32; nothing between is missing but what was announced."""
+    ours = recording.by_tick()
+    ticks = [int(tick) for tick in held["tick"]]
+    assert len(ticks) > 100 and ticks == sorted(set(ticks)), "ticks rise"
+    have = set(ticks)
+    missing = [tick for tick in range(ticks[0], ticks[-1]) if tick in ours and tick not in have]
+    assert len(missing) == lost, f"{len(missing)} samples are missing, {lost} are announced"
+    for key in held.keys() - {"tick"}:
+        recorded = np.array([getattr(ours[tick], key) for tick in ticks], dtype=np.float32)
+        seen = held[key].astype(np.float32)
+        differ = [tick for tick, a, b in zip(ticks, recorded, seen) if a != b and not (a != a and b != b)]
+        assert not differ, f"{key} differs at {differ[:5]} of {len(differ)}"
