@@ -1,11 +1,25 @@
-//! `cargo xtask bench`: every criterion bench of the workspace.
+//! `cargo xtask bench`: every criterion bench of the workspace, then the scope page in Chromium.
 
 use crate::metadata::Workspace;
 use crate::step::{Step, Stop};
+use crate::{needs, python};
+use std::path::Path;
 
-/// Runs them one after the other; `criterion` is handed on to each.
+/// Runs them one after the other; `criterion` is handed on to each of criterion's.
 pub fn run(workspace: &Workspace, criterion: &[&str]) -> Result<(), Stop> {
-    steps(workspace, criterion).iter().try_for_each(|step| step.run(&workspace.root))
+    let root = &workspace.root;
+    needs::ensure(root)?;
+    let python = python::ensure(root)?;
+    steps(workspace, criterion).iter().chain(&of_page(&python)).try_for_each(|step| step.run(root))
+}
+
+/// Frame time and memory of the scope page, watched over a run of the program itself.
+fn of_page(python: &Path) -> [Step; 2] {
+    let script = "-B crates/flexbeam/tests/python/scope_bench.py target/release/flexbeam";
+    [
+        Step::cargo("program", "build --release -p flexbeam"),
+        Step::new("bench of the scope page", &python.to_string_lossy(), script),
+    ]
 }
 
 /// By name, because `cargo bench` alone would also start the unit tests, which refuse criterion's arguments.
@@ -34,5 +48,12 @@ mod tests {
         let workspace = Workspace { root: ".".into(), packages };
         let typed: Vec<String> = steps(&workspace, &["--quick"]).iter().map(Step::to_string).collect();
         assert_eq!(typed, ["cargo bench -p b --bench x -- --quick", "cargo bench -p b --bench y -- --quick"]);
+    }
+
+    #[test]
+    fn the_page_is_watched_with_the_program_just_built() {
+        let typed = of_page(Path::new("/p")).map(|step| step.to_string());
+        assert_eq!(typed[0], "cargo build --release -p flexbeam");
+        assert!(typed[1].starts_with("/p ") && typed[1].ends_with(" target/release/flexbeam"), "{}", typed[1]);
     }
 }

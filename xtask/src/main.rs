@@ -18,7 +18,7 @@ usage: cargo xtask CHORE
 
   test              everything that must hold before a change goes in
   tidy              the house rules alone: storeys, file lengths, leftovers
-  bench [ARGS..]    all benches; ARGS go to criterion
+  bench [ARGS..]    all benches; ARGS go to criterion, not to the page's
   book              the user's book into target/book (fetches mdBook when it is missing)
 ";
 

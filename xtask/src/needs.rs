@@ -15,7 +15,17 @@ struct Need {
     why: &'static str,
 }
 
-const NEEDS: [Need; 2] = [
+const NEEDS: [Need; 4] = [
+    Need {
+        package: "chromium",
+        proof: &["chromium", "--version"],
+        why: "shows the scope page, as a person would use it",
+    },
+    Need {
+        package: "fonts-dejavu-core",
+        proof: &["test", "-f", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"],
+        why: "letters for that page: without a font its widths mean nothing",
+    },
     Need {
         package: "gcc",
         proof: &["cc", "--version"],

@@ -1,4 +1,4 @@
-//! A Python of the tests' own, under `target/tools/python`, with the readers that are not ours.
+//! A Python of the tests' own, under `target/tools/python`, with the readers that are not ours and the driver of the browser.
 
 use crate::step::{Step, Stop};
 use std::path::{Path, PathBuf};
@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 /// Names the interpreter, for the tests that compare with public packages.
 pub const PYTHON: &str = "FLEXBEAM_PYTHON";
 
-/// What the tests import. What these need themselves, they choose.
-const PINS: [&str; 3] = ["mcap==1.6.0", "mcap-ros2-support==0.6.0", "scipy==1.17.1"];
+/// What the tests import. What these need themselves, they choose. Playwright's wheel holds its driver but no browser: that is
+/// Debian's. The axe rules of accessibility come with axe-playwright-python.
+const PINS: [&str; 5] =
+    ["mcap==1.6.0", "mcap-ros2-support==0.6.0", "scipy==1.17.1", "playwright==1.65.2", "axe-playwright-python==0.1.8"];
 
 /// The environment, from the root.
 const FOLDER: &str = "target/tools/python";
@@ -55,7 +57,7 @@ mod tests {
         let [environment, packages] = steps().map(|step| step.to_string());
         assert_eq!(environment, "python3 -m venv --clear target/tools/python");
         assert!(packages.starts_with("target/tools/python/bin/python -m pip install "), "{packages}");
-        assert!(packages.contains("--only-binary :all:") && packages.ends_with("scipy==1.17.1"), "{packages}");
+        assert!(packages.contains("--only-binary :all:") && packages.ends_with(PINS[PINS.len() - 1]), "{packages}");
     }
 
     #[test]

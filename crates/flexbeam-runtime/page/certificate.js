@@ -1,7 +1,7 @@
 // The certificate in short. Enters: hello. Leaves: a verdict and its figures.
 
 import { element } from "./element.js";
-import { brief, withUnit } from "./number.js";
+import { INFINITE, brief, withUnit } from "./number.js";
 
 /** Fills the card; `certificate` as in hello, null where the controller has none. */
 export function showCertificate(root, certificate) {
@@ -14,6 +14,6 @@ function held({ holds, figures }) {
     element("span", { text: holds ? "Holds" : "Does not hold: the run is unverified" }));
   const rows = figures.map(({ label, value, unit, note }) => element("tr", {},
     element("th", { scope: "row" }, label, note ? element("small", { text: note }) : null),
-    element("td", { text: typeof value === "number" ? withUnit(brief(value), unit) : String(value ?? "–") })));
+    element("td", { text: value === null ? INFINITE : withUnit(brief(value), unit) })));
   return [verdict, element("table", { class: "figures" }, element("tbody", {}, ...rows))];
 }

@@ -9,6 +9,8 @@ const DEAD_MS = 2000;
 const ASLEEP_MS = 1000;
 const CHECK_MS = 250;
 const BACK_OFF_MS = [250, 500, 1000, 2000, 4000];
+/** Close code of a run that ended before it was armed. */
+const NEVER_BEGAN = 1001;
 /** Another run may follow at the same address [ms]. */
 const NEXT_RUN_MS = 3000;
 
@@ -29,7 +31,7 @@ const CLOSED = {
 
 export class Connection {
   /**
-   * @param {{token: string|null, key: string, name: string, newest: () => number, onmessage: (message: Object) => void,
+   * @param {{token: string|null, key: string, name: string, newest: () => {after: number|null, run: string|null}, onmessage: (message: Object) => void,
    *   onsamples: (frame: ArrayBuffer) => void, onlink: (link: Link) => void}} about
    */
   constructor(about) {
@@ -37,8 +39,6 @@ export class Connection {
     this.pending = new Map();
     this.id = 0;
     this.attempts = 0;
-    /** Newest tick that the page claimed to have when it entered last; null: none. */
-    this.after = null;
     this.link = { stage: "connecting", why: "", since_ms: performance.now(), retry_ms: null };
     this.checked_ms = performance.now();
     setInterval(() => this.#check(), CHECK_MS);
@@ -47,7 +47,7 @@ export class Connection {
     this.#open();
   }
 
-  /** Enters anew at once: after another name or token, or because another run began. */
+  /** Enters anew at once, with another name or token. */
   again() {
     this.#drop("This page entered anew.");
     this.#open();
@@ -86,10 +86,8 @@ export class Connection {
   }
 
   #enter() {
-    const newest = this.newest();
-    this.after = Number.isFinite(newest) ? newest : null;
-    const { token, name, key, after } = this;
-    this.socket.send(JSON.stringify({ type: "enter", protocol: PROTOCOL, token, name, key, after }));
+    const { token, name, key } = this;
+    this.socket.send(JSON.stringify({ type: "enter", protocol: PROTOCOL, token, name, key, ...this.newest() }));
   }
 
   #take(message) {
@@ -107,6 +105,7 @@ export class Connection {
 
   #closed(code) {
     this.#drop("The connection was lost before the answer came; the state shows what happened.");
+    if (code === NEVER_BEGAN) return this.#become("over", "The run did not begin; the terminal says why.", NEXT_RUN_MS);
     if (this.over || code === 1000) return this.#become("over", "The run is over.", NEXT_RUN_MS);
     const known = CLOSED[code];
     if (known && !known.again) return this.#become("refused", known.why, null);

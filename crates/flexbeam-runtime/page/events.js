@@ -3,13 +3,13 @@
 import { element, write } from "./element.js";
 import { runTime } from "./number.js";
 
-const MARKS = { armed: "○", started: "●", stopped: "■", fault: "▲", warning: "!", override: "✎", lost: "…" };
+const MARKS = { armed: "○", started: "●", stopped: "■", fault: "▲", warning: "!", override: "✎", control: "✎", lost: "…" };
 
 export class Events {
   /** @param {{root: HTMLElement, announcer: HTMLElement}} about */
   constructor({ root, announcer }) {
     this.announcer = announcer;
-    this.list = element("ol", { class: "events", tabindex: 0, "aria-label": "Events, the newest first" });
+    this.list = element("ol", { class: "log", tabindex: 0, "aria-label": "Events, the newest first" });
     root.replaceChildren(element("h2", { text: "Events" }), this.list);
   }
 

@@ -7,7 +7,8 @@ import { editPanel } from "./panel_sheet.js";
 import { ScopeCard } from "./scope_card.js";
 
 const NEW_SCOPE = { title: "Scope", kind: "time", signals: ["reference_rad", "psi_rad"], span_s: 10 };
-const NARROW = "(max-width: 899px)";
+/** One column of panels: all but the first are folded. */
+const NARROW = "(max-width: 639px)";
 
 export class Layout {
   /**
@@ -32,7 +33,7 @@ export class Layout {
     this.pauseAll = element("button", { type: "button", class: "quiet", text: "Pause all", "aria-pressed": "false", "aria-keyshortcuts": "p", onclick: () => this.togglePause() });
     this.unsaved = element("span", { class: "unsaved", role: "status" });
     this.back = element("button", { type: "button", class: "quiet", text: "Undo layout", onclick: () => this.#revert() });
-    this.save = element("button", { type: "button", class: "save", text: "Save to project", onclick: () => this.#save() });
+    this.save = element("button", { type: "button", class: "save", onclick: () => this.#save() }, "Save", element("span", { class: "long", text: " to project" }));
     return element("header", { class: "bar" }, element("h2", { text: "Scopes" }), element("a", { class: "jump", href: "#side", text: "Settings" }), this.pauseAll,
       element("button", { type: "button", class: "quiet", text: "Add scope", onclick: () => this.#addScope() }),
       element("span", { class: "gap" }), this.unsaved, this.back, this.save);

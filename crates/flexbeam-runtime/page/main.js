@@ -24,7 +24,7 @@ import { keep, kept, keyOfTab, nameOfViewer, takeToken } from "./identity.js";
 const place = (id) => document.getElementById(id);
 const state = new RunState();
 const frames = new FrameTimes();
-const facts = Object.fromEntries(["control", "certificate", "lateness", "events"].map((name) => [name, element("section", { class: `card ${name}` })]));
+const facts = Object.fromEntries(["certificate", "lateness", "here", "events"].map((name) => [name, element("section", { class: `card ${name}` })]));
 /** What belongs to one run: store, layout, readouts, lateness. */
 let shown = null;
 
@@ -33,20 +33,17 @@ const tell = (text) => banner.tell(text);
 const request = (message) => connection.request(message);
 const theme = new Theme(() => refresh());
 const top = new TopBar({ root: place("top"), act: (what) => request({ type: "do", request: { do: what } }), tell, theme, help });
-const viewers = new Viewers({ root: facts.control, sheets: place("sheets"), request, tell, rename, token: enterToken });
+const viewers = new Viewers({ control: place("control"), list: facts.here, sheets: place("sheets"), request, tell, rename, token: enterToken });
 const events = new Events({ root: facts.events, announcer: place("announcer") });
 place("facts").append(...Object.values(facts));
 const connection = new Connection({
-  token: takeToken(), key: keyOfTab(), name: nameOfViewer(), newest: () => shown?.store.last ?? NaN,
+  token: takeToken(), key: keyOfTab(), name: nameOfViewer(), newest,
   onmessage: take, onsamples: takeSamples,
   onlink: (link) => { state.link = link; update(); },
 });
 
 function take(message) {
-  if (message.type === "hello" && state.isAnother(message)) {
-    forget();
-    if (connection.after !== null) return connection.again();
-  }
+  if (message.type === "hello" && state.isAnother(message)) forget();
   state.apply(message);
   if (message.type === "hello") greet(message);
   if (message.type === "event") events.add(message);
@@ -55,11 +52,19 @@ function take(message) {
   update();
 }
 
-/** Another run: nothing of the last one stays. */
+/** What the page has already, and of which run; the rest is sent again. */
+function newest() {
+  const after = shown?.store.last;
+  return Number.isFinite(after) ? { after, run: state.hello.run.start_unix_ns } : { after: null };
+}
+
+/** Another run, or one that was not armed yet: nothing of the last one stays. */
 function forget() {
+  if (state.wasArmed) {
+    Sheet.open?.close();
+    tell("Another run began at this address.");
+  }
   state.begin();
-  Sheet.open?.close();
-  tell("Another run began at this address.");
   shown.layout.destroy();
   shown = null;
 }

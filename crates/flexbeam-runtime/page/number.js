@@ -3,9 +3,11 @@
 const MINUS = "\u2212";
 const THIN = "\u202f";
 const NOTHING = "\u2013";
+export const INFINITE = "\u221e";
 
 /** A number with fixed decimals; a dash where there is none. No minus before a zero. */
 export function fixed(value, decimals) {
+  if (value === Infinity) return INFINITE;
   if (!Number.isFinite(value)) return NOTHING;
   const text = Math.abs(value).toFixed(decimals);
   return value < 0 && Number(text) !== 0 ? MINUS + text : text;

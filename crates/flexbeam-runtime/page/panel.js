@@ -72,7 +72,7 @@ export class Panel {
     this.element.classList.toggle("locked", why !== null);
     for (const key of [...this.knobs.keys()].filter((one) => state.knobs.has(one))) {
       const { control } = this.#renew(key, state.knobs.get(key));
-      if (key in state.values) control.update({ value: state.values[key], why });
+      control.update({ value: state.values[key] ?? Infinity, why });
     }
   }
 

@@ -22,11 +22,30 @@ export class ScopeSheet {
     this.chosen = scope.signals.filter((key) => signals.some((signal) => signal.key === key));
     this.error = element("p", { class: "scope-error", role: "alert" });
     this.form = element("form", { method: "dialog", novalidate: true, onsubmit: (event) => this.take(event) }, ...this.parts());
-    this.element = element("dialog", { class: "scope-sheet", "aria-label": "Scope settings", onclose: () => this.element.remove() }, this.form);
+    this.element = element("dialog", { class: "scope-sheet", "aria-label": "Scope settings", onclose: () => this.leave(), onkeydown: (event) => this.key(event) }, this.form);
     this.followSignals();
     this.followKind();
-    document.body.append(this.element);
-    this.element.showModal();
+    this.before = document.activeElement;
+    document.getElementById("sheets").append(this.element);
+    this.open();
+  }
+
+  /** Not modal: Emergency stop must stay within reach. */
+  open() {
+    this.element.show();
+    this.title.select();
+  }
+
+  /** Gives the focus back to where it was. */
+  leave() {
+    this.element.remove();
+    if (this.before?.isConnected) this.before.focus();
+  }
+
+  key(event) {
+    if (event.key !== "Escape" || event.defaultPrevented) return;
+    event.preventDefault();
+    this.element.close();
   }
 
   parts() {

@@ -5,10 +5,16 @@ import { attribute, element, write } from "./element.js";
 import { fixed, roundUp, typed, withUnit } from "./number.js";
 
 const EVERY_MS = 50;
-/** Where a knob has no end, the slider reaches this many times the value. */
+/** Where a knob has no end, or one far away, the slider reaches this many times the value. */
 const REACH = 4;
+/** A slider that reaches so far already is left as it is, so that it does not change under the hand. */
+const KEPT = [1.001, 20];
+/** The least positive number: a knob that takes every number above zero has it as its low end. */
+const LEAST = 5e-324;
 /** Places at which a dragged slider stops, at least. */
 const PLACES = 200;
+
+const isFloor = (low) => low === 0 || low === LEAST;
 
 let made = 0;
 
@@ -86,20 +92,22 @@ export class Slider {
     this.range.style.setProperty("--zero", Math.max(0, Math.min(1, -low / (high - low))));
   }
 
-  /** Ends of the slider: the panel's, the knob's, or where there are none, some way around the value. */
+  /** Ends of the slider: the panel's, the knob's, or where those are far, some way around the value: an end that is reached moves on. */
   #stretch(shown) {
     const { factor, decimals } = this.knob;
     const [low, high] = this.ends ?? [this.knob.low, this.knob.high];
-    const around = roundUp(Math.max(Math.abs(shown) * REACH, 10 ** -decimals * PLACES));
-    const kept = Number(this.range.max);
-    const isWide = high === null && kept >= Math.abs(shown) && kept <= around * 5 && this.range.max !== "";
-    const top = high === null ? (isWide ? kept : around) : high * factor;
-    const bottom = low === null ? -top : low * factor;
+    const size = Number.isFinite(shown) ? Math.abs(shown) : 10 ** -decimals * PLACES * PLACES;
+    const around = roundUp(Math.max(size * REACH, 10 ** -decimals * PLACES));
+    const isFar = high === null || (this.ends === undefined && isFloor(low) && size > 0 && around * REACH < high * factor);
+    const isKept = this.isFar && this.top >= size * KEPT[0] && this.top <= Math.max(size * KEPT[1], around);
+    const top = !isFar ? high * factor : isKept ? this.top : around;
+    const bottom = low === null ? -top : low === LEAST ? 10 ** -decimals : low * factor;
+    Object.assign(this, { isFar, top });
     this.range.min = bottom;
     this.range.max = top;
     this.step = Math.max(10 ** -decimals, roundUp((top - bottom) / PLACES / 2.5));
     write(this.low, this.#end(bottom, low === null));
-    write(this.high, this.#end(top, high === null));
+    write(this.high, this.#end(top, isFar));
   }
 
   #end(shown, isOpen) {

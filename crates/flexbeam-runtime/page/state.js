@@ -2,6 +2,8 @@
 
 /** Events that are kept; the recording has all of them. */
 const MOST_EVENTS = 500;
+/** Start of a run that is not armed yet. */
+const NOT_YET = "0";
 
 export class RunState {
   constructor() {
@@ -29,6 +31,11 @@ export class RunState {
   /** Whether this greeting is of another run than the one that is known. */
   isAnother(hello) {
     return this.hello !== null && this.hello.run.start_unix_ns !== hello.run.start_unix_ns;
+  }
+
+  /** Whether the run that is known got as far as its first tick. */
+  get wasArmed() {
+    return this.hello !== null && this.hello.run.start_unix_ns !== NOT_YET;
   }
 
   /** Takes a message in. */
@@ -78,16 +85,18 @@ export class RunState {
   }
 
   get hasEnded() {
-    return this.result !== null || this.phase === "stopped" || this.phase === "fault";
+    return this.result !== null || this.link.stage === "over" || this.phase === "stopped" || this.phase === "fault";
   }
 
-  /** Name of the viewer in control; null when nobody is. */
+  /** Name of the viewer in control; null when nobody is. A seat is kept for a while when its connection is lost. */
   get holder() {
-    return this.viewers.find((viewer) => viewer.id === this.in_control)?.name ?? null;
+    if (this.in_control === null) return null;
+    return this.viewers.find((viewer) => viewer.id === this.in_control)?.name ?? "A viewer that lost its connection";
   }
 
   /** Why the run cannot be stopped from here; null when it can. */
   get whyNoStop() {
+    if (this.link.stage === "over" && this.result === null) return this.link.why;
     if (this.hasEnded) return "The run is over; the rig is at 0 V.";
     if (!this.isLive) return "No connection to the rig.";
     return this.hasToken ? null : whyNoToken(this.hello);
@@ -102,6 +111,7 @@ export class RunState {
 
   /** Why the run cannot be started from here; null when it can. */
   get whyNoStart() {
+    if (this.phase === "configured") return "The rig is being brought to rest.";
     return this.phase === "running" ? "The run is going on." : this.whyLocked;
   }
 

@@ -6,6 +6,7 @@ import { runTime, withUnit } from "./number.js";
 
 /** Phases in a word, with a mark that does not need its colour. */
 const PHASES = {
+  configured: { word: "Getting ready", mark: "…" },
   armed: { word: "Armed", mark: "○" },
   running: { word: "Running", mark: "●" },
   stopped: { word: "Stopped", mark: "■" },
@@ -13,7 +14,7 @@ const PHASES = {
   lost: { word: "No connection", mark: "✕" },
   connecting: { word: "Connecting", mark: "…" },
 };
-const ICON_COLOURS = { armed: "#e2a93b", running: "#56c28c", stopped: "#9aa8b5", fault: "#ef5b5b", lost: "#ef5b5b", connecting: "#9aa8b5" };
+const ICON_COLOURS = { configured: "#9aa8b5", armed: "#e2a93b", running: "#56c28c", stopped: "#9aa8b5", fault: "#ef5b5b", lost: "#ef5b5b", connecting: "#9aa8b5" };
 /** Two presses of Esc within this time are an emergency stop [ms]. */
 const TWICE_MS = 600;
 

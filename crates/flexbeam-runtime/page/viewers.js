@@ -5,19 +5,20 @@ import { keep } from "./identity.js";
 
 export class Viewers {
   /**
-   * @param {{root: HTMLElement, sheets: HTMLElement, request: (message: Object) => Promise<Object>, tell: (text: string) => void,
+   * @param {{control: HTMLElement, list: HTMLElement, sheets: HTMLElement, request: (message: Object) => Promise<Object>, tell: (text: string) => void,
    *   rename: (name: string) => void, token: (token: string) => void}} about
    */
   constructor(about) {
     Object.assign(this, about);
-    this.list = element("ul", { class: "viewers" });
+    this.rows = element("ul", { class: "viewers" });
     this.why = element("p", { class: "why" });
     this.button = element("button", { type: "button", class: "main", onclick: () => this.#press() });
     this.name = element("input", { type: "text", maxlength: 24, autocomplete: "off", spellcheck: "false" });
     this.token_entry = element("input", { type: "text", autocomplete: "off", spellcheck: "false" });
     this.rename_form = form("Name of this viewer", this.name, "Rename", () => this.rename(this.name.value.trim()));
     this.token_form = form("Token", this.token_entry, "Enter", () => this.token(this.token_entry.value.trim()));
-    this.root.append(element("h2", { text: "Control" }), this.why, this.button, this.token_form, this.list, this.rename_form);
+    this.control.append(this.why, this.button, this.token_form);
+    this.list.append(element("h2", { text: "Who is here" }), this.rows, this.rename_form);
     this.ask = element("div", { class: "asking", role: "alertdialog", "aria-labelledby": "asking-words", hidden: true });
     this.words = element("p", { id: "asking-words" });
     this.left = element("p", { class: "left" });
@@ -35,7 +36,7 @@ export class Viewers {
     const me = hello?.viewer;
     const rows = viewers.map((viewer) => row(viewer, viewer.id === me, viewer.id === holder));
     const shown = JSON.stringify([viewers, holder, me]);
-    if (shown !== this.shown) this.list.replaceChildren(...rows);
+    if (shown !== this.shown) this.rows.replaceChildren(...rows);
     this.shown = shown;
     const seconds = asking ? Math.max(0, Math.ceil((state.asking_until_ms - performance.now()) / 1000)) : 0;
     this.#showMe(state, seconds);
