@@ -92,8 +92,12 @@ class Viewer:
     def entry(self, name):
         return self.page.get_by_role("textbox", name=name, exact=True)
 
+    def reading(self, name):
+        """What stands in a setting's entry, in the unit shown."""
+        return float(self.entry(name).input_value().replace("\u2212", "-"))
+
     def drag(self, name, share):
-        """Takes a slider's thumb with the mouse and lets it go at a share of the way from its left end."""
+        """Takes a slider's thumb with the mouse and lets it go at a share of the way from its left end. Returns the value shown."""
         slider = self.slider(name)
         slider.scroll_into_view_if_needed()
         low, high, now = (float(slider.evaluate(f"one => one.{end}")) for end in ["min", "max", "value"])
@@ -103,6 +107,7 @@ class Viewer:
         mouse.down()
         mouse.move(*at(share), steps=12)
         mouse.up()
+        return self.reading(name)
 
     def tab_to(self, name, backwards=False):
         """Goes to a control by the Tab key alone; its focus is to be seen."""
@@ -140,6 +145,10 @@ class Viewer:
     def newest(self):
         """The newest tick that the page has; NaN when none."""
         return self.ask("() => window.flexbeam.store?.last ?? NaN")
+
+    def follows(self, shown):
+        """Waits until a square reference has this amplitude, in degrees, to the last digit shown."""
+        self.until(f"an amplitude of {shown}°", lambda: abs(abs(self.figure("Reference in °")) - shown) < 0.001)
 
     def goes_on(self, ticks=300):
         """Waits for so many more samples."""
