@@ -86,7 +86,8 @@ pub trait Document: Serialize + DeserializeOwned {
     }
 }
 
-fn parse<T: Document>(text: &str, source: &Path, tried: Tried) -> Result<T, Error> {
+/// As [`Document::parse`], for a message that says what was tried.
+pub(crate) fn parse<T: Document>(text: &str, source: &Path, tried: Tried) -> Result<T, Error> {
     let fault = |fault| Error::new(tried, source, fault);
     let mut table = parse_table(text, source, tried)?;
     match table.remove(SCHEMA_KEY) {
