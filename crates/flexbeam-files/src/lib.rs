@@ -31,6 +31,7 @@ mod results;
 mod rig;
 mod run_file;
 mod run_result;
+mod scope_wire;
 mod screen;
 mod settings;
 mod stiffness;
@@ -43,7 +44,7 @@ pub use certificate::{Certificate, LoopFigures};
 pub use columns::{ColumnName, nearest};
 pub use controller::{Controller, Design};
 pub use csv::{LEFT_OUT, csv_text};
-pub use document::{Document, schema_of};
+pub use document::{Document, place_of, schema_of};
 pub use error::{Error, Place, Tried};
 pub use extended::Extended;
 pub use fault::Fault;
@@ -68,9 +69,13 @@ pub use run_file::{
     RunReference, RunSample, RunShape, RunSummary, RunTopic, RunWriter, SettingValue, Stretch,
 };
 pub use run_result::{LinkCounts, RunResult, ServeResult, TimeQuantiles};
+pub use scope_wire::{
+    Asking, Attendance, Attendant, CertificateFigure, CertificateSummary, Deed, Enter, Hello, Knob, PageMessage,
+    SCOPE_PROTOCOL, ScopeRun, ScopeSignal, ScopeState, ScopeTiming, ServerMessage, SignalKind, TokenFound, ViewerMay,
+};
 pub use screen::{Edge, Panel, Scope, ScopeKind, Screen, Trigger, TriggerMode};
 pub use settings::{Channel, Law, Settings};
 pub use stiffness::{NoStiffness, Stiffness};
 pub use summary::{DirectionSummary, IdentificationSummary, LawSummary, PlantTable, ReproduceSummary};
-pub use wire::{Reading, ReferenceChange, Reply, Request, request_of_changes};
+pub use wire::{Reading, ReferenceChange, Reply, Request, request_of_changes, request_of_values};
 pub use write::{Overwrite, Written, check_free, check_free_for_mat, read_bytes, write_bytes};

@@ -36,13 +36,22 @@ struct Saved {
 }
 
 impl ProjectFile {
-    /// The file at `path`. `begun` is what a run of this project begins with where the command line says nothing; `reference` is
-    /// the file that this run's reference comes from.
+    /// The file at `path`. `begun` is what the run began with, of which the keys `stated` come from the command line: they are
+    /// saved, too. `reference` is the file that the run's reference comes from.
     ///
     /// Errors: those of [`Document::read`].
-    pub fn open(path: &Path, begun: &LiveSettings, reference: Option<&Path>) -> Result<ProjectFile, Error> {
+    pub fn open(
+        path: &Path,
+        begun: &LiveSettings,
+        stated: &[&str],
+        reference: Option<&Path>,
+    ) -> Result<ProjectFile, Error> {
         let project = Project::read(path)?;
-        let begun = table_of_live(begun);
+        let mut begun = table_of_live(begun);
+        for key in stated {
+            let (table, key) = key.split_once('.').unwrap_or(("settings", key));
+            begun.get_mut(table).and_then(Value::as_table_mut).and_then(|table| table.remove(key));
+        }
         Ok(ProjectFile {
             path: path.into(),
             said: table(&project),

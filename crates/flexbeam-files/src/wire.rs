@@ -1,9 +1,13 @@
 //! Messages of the local control socket: one JSON object a line, each request answered by one reply.
 
-use crate::run_file::RunShape;
+use crate::run_file::{RunShape, SettingValue};
 use crate::settings::Settings;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// No key has more parts. A key of many thousands would make a tree whose very end, part by part, overflows a small stack.
+const MOST_PARTS: usize = 3;
 
 /// What is asked of a run.
 ///
@@ -116,16 +120,38 @@ impl Reply {
 /// assert_eq!(settings.eps_u_v, Some(0.02));
 /// ```
 pub fn request_of_changes<S: AsRef<str>>(changes: &[S]) -> Result<Request, String> {
-    let mut request = json!({ "do": "set", "settings": {}, "reference": {} });
+    let mut request = empty();
     for change in changes {
         let change = change.as_ref();
         let (key, value) = change.split_once('=').ok_or_else(|| format!("{change:?} without ="))?;
-        let path: Vec<&str> = key.trim().split('.').collect();
-        let path = if path[0] == "reference" { path } else { [&["settings"], path.as_slice()].concat() };
-        let place = place(&mut request, &path).ok_or_else(|| format!("{key:?} below a value"))?;
-        *place = serde_json::from_str(value.trim()).unwrap_or_else(|_| value.trim().into());
+        put(&mut request, key, serde_json::from_str(value.trim()).unwrap_or_else(|_| value.trim().into()))?;
     }
     serde_json::from_value(request).map_err(|error| error.to_string())
+}
+
+/// A request that sets each key, as [`request_of_changes`] names them.
+///
+/// Errors: what is wrong with the first that is none, in words.
+pub fn request_of_values(values: &BTreeMap<String, SettingValue>) -> Result<Request, String> {
+    let mut request = empty();
+    for (key, value) in values {
+        put(&mut request, key, json!(value))?;
+    }
+    serde_json::from_value(request).map_err(|error| error.to_string())
+}
+
+fn empty() -> Value {
+    json!({ "do": "set", "settings": {}, "reference": {} })
+}
+
+fn put(request: &mut Value, key: &str, value: Value) -> Result<(), String> {
+    let parts: Vec<&str> = key.trim().splitn(MOST_PARTS + 1, '.').collect();
+    let path = if parts[0] == "reference" { parts } else { [&["settings"], parts.as_slice()].concat() };
+    if path.len() > MOST_PARTS {
+        return Err(format!("{key:?} of more than {MOST_PARTS} parts"));
+    }
+    *place(request, &path).ok_or_else(|| format!("{key:?} below a value"))? = value;
+    Ok(())
 }
 
 /// Where a path leads, made on the way; nothing where a value stands in it.
@@ -153,8 +179,25 @@ mod tests {
             let error = request_of_changes(&[change]).unwrap_err();
             assert!(error.contains(named), "{error}");
         }
+        let deep = format!("a{}=1", ".a".repeat(200_000));
+        assert!(request_of_changes(&[deep]).unwrap_err().contains("parts"));
         let twice = request_of_changes(&["eps_u_v=1", "eps_u_v.deeper=2"]);
         assert_eq!(twice, Err("\"eps_u_v.deeper\" below a value".into()));
+    }
+
+    #[test]
+    fn values_by_key_are_the_same_request() {
+        let values = [
+            ("law", SettingValue::Word("switched".into())),
+            ("theta.low_pass", SettingValue::Number(0.5)),
+            ("reference.offset_rad", SettingValue::Number(-0.1)),
+        ];
+        let values: BTreeMap<String, SettingValue> = values.map(|(key, value)| (key.to_string(), value)).into();
+        let changes = ["law=switched", "theta.low_pass=0.5", "reference.offset_rad=-0.1"];
+        assert_eq!(request_of_values(&values), request_of_changes(&changes));
+        for key in ["epsilon", "reference", "eps_u_v.deeper", "a.b.c.d"] {
+            assert!(request_of_values(&[(key.into(), SettingValue::Number(1.0))].into()).is_err(), "{key}");
+        }
     }
 
     #[test]

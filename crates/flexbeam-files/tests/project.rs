@@ -112,7 +112,7 @@ impl Bench {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(Project::FILE);
         std::fs::write(&path, text).unwrap();
-        let file = ProjectFile::open(&path, &live_of(&parse(text).unwrap()), None).unwrap();
+        let file = ProjectFile::open(&path, &live_of(&parse(text).unwrap()), &[], None).unwrap();
         Bench { folder, file }
     }
 
@@ -392,13 +392,38 @@ fn a_reference_file_of_this_run_is_named_as_seen_from_the_project() {
     std::fs::write(&path, BY_HAND).unwrap();
     let project = parse(BY_HAND).unwrap();
     let reference = folder.path().join("signals/dance.csv");
-    let file = ProjectFile::open(&path, &live_of(&project), Some(&reference)).unwrap();
+    let file = ProjectFile::open(&path, &live_of(&project), &[], Some(&reference)).unwrap();
     let mut live = live_of(&project);
     live.reference.shape = RunShape::File;
     live.reference.amplitude_rad = 1.0;
     file.save(&project.screen(), &live).unwrap();
     let saved = Project::read(&path).unwrap().reference;
     assert_eq!((saved.file, saved.amplitude_rad), (Some(PathBuf::from("signals/dance.csv")), Some(1.0)));
+}
+
+#[test]
+fn what_the_command_line_said_is_saved_and_what_a_rig_did_to_the_settings_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(Project::FILE);
+    std::fs::write(&path, BY_HAND).unwrap();
+    let project = parse(BY_HAND).unwrap();
+    let mut begun = live_of(&project);
+    begun.settings.law = Some(Law::None);
+    begun.settings.voltage_limit_v = Some(9.75);
+    begun.settings.theta.as_mut().unwrap().offset_rad = Some(0.2);
+    begun.reference.amplitude_rad = 0.125;
+    let file = ProjectFile::open(&path, &begun, &["law", "reference.amplitude_rad", "reference.shape"], None).unwrap();
+    file.save(&project.screen(), &begun).unwrap();
+    let expected =
+        with(&[("0.5 # 29", "0.125 # 29"), ("low_pass = 0.6 # 150 Hz\n", "low_pass = 0.6 # 150 Hz\nlaw = \"none\"\n")]);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), expected);
+}
+
+#[test]
+fn the_usual_screen_reads_back() {
+    let bench = Bench::new("schema = \"flexbeam.project/1\"\n");
+    bench.saved(&Screen::usual(), &live_of(&bench.project()));
+    assert_eq!(bench.project().screen(), Screen::usual());
 }
 
 #[test]

@@ -7,13 +7,11 @@
 //!
 //! Real-time: no. A viewer that is slow loses its oldest messages, and nobody waits for it.
 
-mod address;
 mod parameters;
 mod refusal;
 mod topics;
 
-pub use address::ViewerAddress;
-
+use crate::address::ViewerAddress;
 use crate::control_socket::Steering;
 use crate::session::Notes;
 use ::foxglove::{Context, FoxgloveError, WebSocketServerHandle};
@@ -64,11 +62,6 @@ impl Default for ViewerOptions {
 /// Viewers that cannot be served.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoViewers {
-    /// The text of the address.
-    #[error(
-        "found {0:?} as an address for viewers, needed PORT or HOST:PORT\nhint: 8765 and 127.0.0.1:8765 are the same; an IPv6 number stands in brackets"
-    )]
-    Address(String),
     /// The rate.
     #[error("found {0} samples a second for viewers, needed a positive number\nhint: 1000 by default")]
     Rate(f64),

@@ -142,6 +142,11 @@ impl LiveControl {
         self.lock().current.clone()
     }
 
+    /// Real-time: no. The set at the start of the run, whose limits are the widest.
+    pub fn first(&self) -> Live {
+        self.lock().first.clone()
+    }
+
     /// Real-time: no. The set of this revision, for the one who records it; older ones are forgotten, because the loop never goes
     /// back to them.
     pub(crate) fn recorded(&self, revision: u32) -> Option<Live> {

@@ -29,8 +29,8 @@ pub struct RunContext {
 /// Scales and zeroes of the sensors, which stay as they are for the whole run.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Calibration {
-    theta: Channel,
-    alpha: Channel,
+    pub(crate) theta: Channel,
+    pub(crate) alpha: Channel,
 }
 
 impl Calibration {
@@ -174,7 +174,7 @@ pub(crate) fn run_sample(sample: &Sample, calibration: &Calibration) -> RunSampl
 }
 
 /// Real-time: no. The settings that are in force from an instant on, as a recording has them.
-pub(crate) fn run_settings(instant: u64, live: &Live) -> LiveSettings {
+pub fn run_settings(instant: u64, live: &Live) -> LiveSettings {
     let (settings, reference) = (table_of(&live.settings), run_reference(&live.reference));
     LiveSettings { revision: live.revision, tick: instant, settings, reference }
 }

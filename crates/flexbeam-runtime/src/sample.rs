@@ -2,7 +2,7 @@
 
 use crate::cause::RunFault;
 use crate::lifecycle::Phase;
-use flexbeam_kernel::Commanded;
+use flexbeam_kernel::{Channel, Commanded};
 use flexbeam_rig::Measurement;
 
 /// One tick, as it goes to the recorder and to every view.
@@ -30,6 +30,17 @@ pub struct Sample {
     pub revision: u32,
     /// What ended the run, on its last sample.
     pub fault: Option<RunFault>,
+}
+
+impl Sample {
+    /// Real-time: yes. The tip angle [rad], for who looks: the kernel computes it while the controller runs only; before, it is the
+    /// sum of the two angles from their zeroes.
+    pub fn tip_rad(&self, theta: &Channel, alpha: &Channel) -> f64 {
+        match self.phase {
+            Phase::Running => self.commanded.y_rad,
+            _ => theta.scaled(self.measured.theta_rad) + alpha.scaled(self.measured.alpha_rad),
+        }
+    }
 }
 
 impl Default for Sample {

@@ -21,6 +21,8 @@ pub enum EventKind {
     Warning,
     /// A rule that was set aside by name.
     Override,
+    /// Who steers, and what they changed.
+    Control,
     /// Periods or measurements that are missing.
     Lost,
 }
@@ -35,6 +37,7 @@ impl EventKind {
             EventKind::Fault => "fault",
             EventKind::Warning => "warning",
             EventKind::Override => "override",
+            EventKind::Control => "control",
             EventKind::Lost => "lost",
         }
     }

@@ -4,6 +4,7 @@ mod export;
 mod given;
 mod rig;
 mod run;
+mod scope;
 #[cfg(feature = "foxglove")]
 mod viewers;
 
@@ -17,6 +18,7 @@ pub use export::{Export, Form};
 pub use given::Given;
 pub use rig::{Experiment, Rig, RigTest, ServeRig};
 pub use run::{RigLink, Run, Signal, Tell, What};
+pub use scope::Scope;
 #[cfg(feature = "foxglove")]
 pub use viewers::Viewers;
 

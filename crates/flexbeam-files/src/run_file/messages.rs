@@ -68,7 +68,8 @@ impl LiveSettings {
 }
 
 /// The value of one setting.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
 pub enum SettingValue {
     /// In the unit that its key names.
     Number(f64),

@@ -77,6 +77,9 @@ pub struct Run {
     /// Listen on this Unix socket for `flexbeam tell`
     #[arg(long)]
     pub control: Option<PathBuf>,
+    /// The page in the browser.
+    #[command(flatten)]
+    pub scope: super::Scope,
     /// Live topics and parameters.
     #[cfg(feature = "foxglove")]
     #[command(flatten)]

@@ -1,7 +1,7 @@
 //! The command line of live topics and parameters.
 
 use clap::Args;
-use flexbeam_runtime::foxglove::ViewerAddress;
+use flexbeam_runtime::ViewerAddress;
 
 /// Viewers of a run.
 #[derive(Args, Clone, Debug)]

@@ -1,6 +1,5 @@
 //! What the view shows, as plain numbers and words. Deliberately absent: where it stands on the screen.
 
-use flexbeam_kernel::Channel;
 use flexbeam_runtime::{Live, Phase, Sample, SeenTiming, Shape};
 
 use super::panel::{Panel, Setting, peak};
@@ -18,6 +17,8 @@ pub struct Picture {
     pub controller: String,
     /// The rig.
     pub port: String,
+    /// Where the scope is.
+    pub scope: Option<String>,
     /// Sample period [s].
     pub period_s: f64,
     /// Where the run stands.
@@ -73,19 +74,15 @@ pub struct Ends {
 }
 
 impl Reading {
-    /// The sample under the settings in force. The kernel computes the tip angle while the controller runs only; before, it is
-    /// the sum of the two angles.
+    /// The sample under the settings in force.
     pub fn of(sample: &Sample, live: &Live, period_s: f64) -> Reading {
-        let angle = |channel: &Channel, measured: f64| channel.scale * (measured - channel.offset_rad);
-        let theta_rad = angle(&live.settings.theta, sample.measured.theta_rad);
-        let alpha_rad = angle(&live.settings.alpha, sample.measured.alpha_rad);
-        let runs = sample.phase == Phase::Running;
+        let (theta, alpha) = (&live.settings.theta, &live.settings.alpha);
         Reading {
             time_s: sample.instant as f64 * period_s,
             reference_rad: sample.reference_rad,
-            psi_rad: if runs { sample.commanded.y_rad } else { theta_rad + alpha_rad },
-            theta_rad,
-            alpha_rad,
+            psi_rad: sample.tip_rad(theta, alpha),
+            theta_rad: theta.scaled(sample.measured.theta_rad),
+            alpha_rad: alpha.scaled(sample.measured.alpha_rad),
             error_rad: sample.commanded.error_rad,
             u_v: sample.commanded.u_v,
             voltage_v: sample.voltage_v,
@@ -118,6 +115,7 @@ pub fn settings(live: &Live, panel: &Panel, period_s: f64) -> (Vec<(&'static str
 mod tests {
     use super::*;
     use flexbeam_kernel as kernel;
+    use flexbeam_kernel::Channel;
     use flexbeam_rig::Measurement;
     use flexbeam_runtime::Reference;
 

@@ -1,6 +1,5 @@
 //! Where viewers connect.
 
-use super::NoViewers;
 use std::fmt;
 use std::net::IpAddr;
 use std::str::FromStr;
@@ -14,6 +13,13 @@ pub struct ViewerAddress {
     host: String,
     port: u16,
 }
+
+/// A text that is no address.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "found {0:?} as an address for viewers, needed PORT or HOST:PORT\nhint: 8765 and 127.0.0.1:8765 are the same; an IPv6 number stands in brackets"
+)]
+pub struct NoAddress(pub String);
 
 impl ViewerAddress {
     /// Real-time: no. Name or number; an IPv6 number in brackets.
@@ -32,24 +38,24 @@ impl ViewerAddress {
         self.host == "localhost" || number.parse().is_ok_and(|ip: IpAddr| ip.is_loopback())
     }
 
-    pub(super) fn with_port(&self, port: u16) -> ViewerAddress {
+    pub(crate) fn with_port(&self, port: u16) -> ViewerAddress {
         ViewerAddress { host: self.host.clone(), port }
     }
 }
 
 impl FromStr for ViewerAddress {
-    type Err = NoViewers;
+    type Err = NoAddress;
 
     /// Real-time: no.
     ///
-    /// Errors: [`NoViewers::Address`].
-    fn from_str(text: &str) -> Result<ViewerAddress, NoViewers> {
+    /// Errors: [`NoAddress`].
+    fn from_str(text: &str) -> Result<ViewerAddress, NoAddress> {
         let (host, port) = text.rsplit_once(':').unwrap_or((LOOPBACK, text));
         let bracketed = host.starts_with('[') && host.ends_with(']') && host.len() > 2;
         let is_host = bracketed || (!host.is_empty() && !host.contains([':', '[', ']']));
         match port.parse() {
             Ok(port) if is_host => Ok(ViewerAddress { host: host.into(), port }),
-            _ => Err(NoViewers::Address(text.into())),
+            _ => Err(NoAddress(text.into())),
         }
     }
 }
@@ -84,7 +90,7 @@ mod tests {
     #[test]
     fn what_is_no_address_is_refused_with_its_text() {
         for text in ["", "port", "65536", "-1", ":8765", "::1:8765", "[]:8765", "localhost", "localhost:", "ws://a:1"] {
-            assert_eq!(text.parse::<ViewerAddress>(), Err(NoViewers::Address(text.into())));
+            assert_eq!(text.parse::<ViewerAddress>(), Err(NoAddress(text.into())));
         }
     }
 }

@@ -1,0 +1,138 @@
+//! What a viewer has been told: the next message is whatever it does not know yet.
+
+use super::hall::Hall;
+use super::history::{Cursor, Row};
+use super::viewer::{End, Guest, text};
+use axum::extract::ws::Message;
+use flexbeam_files::{Attendance, Enter, Knob, ServerMessage};
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+/// The state is told at least so often.
+const STATE: Duration = Duration::from_millis(250);
+
+/// A viewer's place in everything that it is told.
+pub(super) struct Told {
+    /// Whether it has its hello, and the one of the armed run.
+    hello: Option<Armed>,
+    knobs: Vec<Knob>,
+    /// Number of the next event.
+    event: u64,
+    attendance: Option<Attendance>,
+    /// When, and phase and revision.
+    state: Option<(Instant, String, u32)>,
+    cursor: Cursor,
+    rows: Vec<Row>,
+    /// Whether a frame went out in this beat.
+    frame: bool,
+    over: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Armed {
+    NotYet,
+    Yes,
+}
+
+impl Told {
+    pub(super) fn new(hall: &Hall, enter: &Enter) -> Told {
+        let same = enter.run.as_ref().is_none_or(|run| *run == hall.start());
+        Told {
+            hello: None,
+            knobs: Vec::new(),
+            event: 0,
+            attendance: None,
+            state: None,
+            cursor: hall.history.cursor(enter.after.filter(|_| same)),
+            rows: Vec::new(),
+            frame: false,
+            over: false,
+        }
+    }
+
+    /// Another thirtieth of a second.
+    pub(super) fn beat(&mut self) {
+        self.frame = false;
+    }
+
+    /// The next message, if there is one in this beat.
+    pub(super) fn next(&mut self, hall: &Hall, guest: &Guest) -> Option<Message> {
+        let armed = if hall.steering().is_some() { Armed::Yes } else { Armed::NotYet };
+        if self.hello != Some(armed) {
+            self.hello = Some(armed);
+            let hello = guest.hello(false);
+            if let ServerMessage::Hello(hello) = &hello {
+                self.knobs = hello.knobs.clone();
+            }
+            return Some(text(&hello));
+        }
+        let told = self.knobs(hall).or_else(|| self.event(hall)).or_else(|| self.viewers(hall));
+        let told = told.or_else(|| self.state(hall));
+        told.map(|message| text(&message)).or_else(|| self.samples(hall)).or_else(|| self.over(hall))
+    }
+
+    fn knobs(&mut self, hall: &Hall) -> Option<ServerMessage> {
+        let knobs = hall.live().map(|live| hall.knobs(&live))?;
+        if knobs == self.knobs {
+            return None;
+        }
+        self.knobs = knobs.clone();
+        Some(ServerMessage::Knobs { knobs })
+    }
+
+    fn event(&mut self, hall: &Hall) -> Option<ServerMessage> {
+        let (event, next) = hall.chronicle().next(self.event)?;
+        self.event = next;
+        Some(ServerMessage::Event(event))
+    }
+
+    fn viewers(&mut self, hall: &Hall) -> Option<ServerMessage> {
+        let attendance = hall.seats(|seats, now| seats.attendance(now));
+        if self.attendance.as_ref() == Some(&attendance) {
+            return None;
+        }
+        self.attendance = Some(attendance.clone());
+        Some(ServerMessage::Viewers(attendance))
+    }
+
+    fn state(&mut self, hall: &Hall) -> Option<ServerMessage> {
+        let now = (hall.phase(), hall.live().map_or(0, |live| live.revision));
+        let known = self.state.as_ref().is_some_and(|(when, phase, revision)| {
+            when.elapsed() < STATE && (phase.as_str(), *revision) == (now.0, now.1)
+        });
+        if known {
+            return None;
+        }
+        let state = hall.state();
+        self.state = Some((Instant::now(), state.phase.clone(), state.revision));
+        Some(ServerMessage::State(state))
+    }
+
+    /// One frame a beat; at the end of the run whatever is left.
+    fn samples(&mut self, hall: &Hall) -> Option<Message> {
+        if self.frame && hall.chronicle().result.is_none() {
+            return None;
+        }
+        self.frame = true;
+        hall.history.frame(&mut self.cursor, &mut self.rows).map(|bytes| Message::Binary(bytes.into()))
+    }
+
+    fn over(&mut self, hall: &Hall) -> Option<Message> {
+        let result = hall.chronicle().result.clone().filter(|_| !self.over)?;
+        self.over = true;
+        Some(text(&ServerMessage::Over { result: Box::new(result) }))
+    }
+
+    /// Why there is nothing more to tell.
+    pub(super) fn end(&self, hall: &Hall, guest: &Guest) -> Option<End> {
+        if self.over {
+            Some(End::OVER)
+        } else if !guest.is_there() {
+            Some(End::FULL)
+        } else if hall.closing.load(Ordering::Relaxed) && hall.steering().is_none() {
+            Some(End::NOT_BEGUN)
+        } else {
+            None
+        }
+    }
+}
