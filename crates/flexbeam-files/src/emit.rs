@@ -77,7 +77,7 @@ fn key(name: &str) -> String {
 }
 
 /// A TOML basic string: JSON's escapes are TOML's, but JSON leaves DEL alone and TOML does not allow it.
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007F")
 }
 
