@@ -90,7 +90,7 @@ export class ScopeCard {
     this.signals = signals.filter((signal) => axisOf(signals, signal) < 2);
     this.chart = new CHARTS[config.kind]({ store: this.store, scope: config, signals: this.signals });
     this.legend?.element.remove();
-    this.legend = new Legend(this.signals, this.hidden, () => this.changed());
+    this.legend = new Legend(this.chart.vertical, this.hidden, () => this.changed());
     this.head.after(this.legend.element);
     this.tell(gone, third);
     this.name();
@@ -306,9 +306,10 @@ export class ScopeCard {
 
   /** The plot in words. */
   summary() {
-    const values = this.signals
-      .filter((signal) => !this.hidden.has(signal.key))
-      .map((signal, k) => `${signal.label} ${this.legend.values[k].textContent}`);
+    const values = this.legend.signals
+      .map((signal, k) => [signal, this.legend.values[k].textContent])
+      .filter(([signal]) => !this.hidden.has(signal.key))
+      .map(([signal, text]) => `${signal.label} ${text}`);
     return `${this.config.title}, ${spanText(this.config.span_s)}: ${values.join("; ")}`;
   }
 

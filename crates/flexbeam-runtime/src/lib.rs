@@ -33,6 +33,7 @@ mod lifecycle;
 mod live;
 mod meter;
 mod open_loop;
+mod printable;
 mod real_time_loop;
 mod recorder;
 mod recording;

@@ -10,7 +10,9 @@ mod viewers;
 
 use std::path::Path;
 
-use flexbeam_files::{Controller, Document, Overwrite, Project, RunFile, RunHeader, RunResult, json_text};
+use flexbeam_files::{
+    CertificateSummary, Controller, Document, Overwrite, Project, RunFile, RunHeader, RunResult, json_text,
+};
 use flexbeam_report::{Cell, Table, engineering};
 use flexbeam_rig::RigParameters;
 use flexbeam_runtime::back_end::BackEnd;
@@ -51,7 +53,7 @@ pub fn run(arguments: &cli::Run) -> Result<(), Failure> {
     let (rig, setup) = plan.rig_at_rest(arguments)?;
     let running = plan.armed(arguments, &places, rig, setup)?;
     let _socket = places.serve(&running.steering)?;
-    watch(arguments, &plan, &running);
+    watch(arguments, &plan, &places, &running);
     answer(arguments, running.session.finish(), &running.context)
 }
 
@@ -92,10 +94,11 @@ struct Running {
 }
 
 /// Until the run is over: on the terminal where there is one, then in lines whatever was not told yet.
-fn watch(arguments: &cli::Run, plan: &Plan, Running { session, steering, .. }: &Running) {
+fn watch(arguments: &cli::Run, plan: &Plan, places: &Places, Running { session, steering, .. }: &Running) {
     if !arguments.plain && !arguments.json && terminal::is_there() {
         let controller = arguments.controller.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        terminal::watch(session, steering, terminal::About { controller, port: plan.port.to_string() });
+        let scope = places.scope.as_ref().map(ScopeServer::url);
+        terminal::watch(session, steering, terminal::About { controller, port: plan.port.to_string(), scope });
     }
     lines::watch(session, steering);
 }
@@ -113,6 +116,7 @@ struct Plan {
     setup: Setup,
     /// Rules that were set aside, by name.
     overrides: Vec<String>,
+    certificate: CertificateSummary,
 }
 
 impl Plan {
@@ -125,6 +129,7 @@ impl Plan {
         Ok(Plan {
             rig: rig_at(arguments.rig.as_deref(), file.period_s)?,
             setup: setup(arguments, &file)?,
+            certificate: scope::certificate(&file, arguments.unverified.as_deref().filter(|_| overrides.is_some())),
             overrides: overrides.into_iter().collect(),
             port,
             tried,
@@ -138,7 +143,7 @@ impl Plan {
             project: None,
             port: self.port.to_string(),
             period_s: self.setup.period_s,
-            certificate: None,
+            certificate: Some(self.certificate.clone()),
             screen: scope::default_screen(),
             save: None,
             asked: self.setup.asked.clone(),
