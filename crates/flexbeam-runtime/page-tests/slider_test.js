@@ -103,7 +103,7 @@ export async function theEndIsTheKnobsOwnEndToTheLastBit() {
 }
 
 export function endsFollowTheValueWhereTheKnobHasNone() {
-  const period = { ...KNOB, label: "Period", unit: "s", factor: 1, low: 5e-324, high: null, decimals: 2 };
+  const period = { ...KNOB, label: "Period", unit: "s", factor: 1, low: 5e-324, high: null, step: 0.1, decimals: 2 };
   const { slider } = sliderAt(4, { knob: period });
   const ends = () => [Number(slider.range.min), Number(slider.range.max)];
   same(ends(), [0.01, 20], "at 4 s");
@@ -114,7 +114,7 @@ export function endsFollowTheValueWhereTheKnobHasNone() {
 }
 
 export function aFarEndComesNear() {
-  const eps = { ...KNOB, unit: "V", factor: 1, low: 0, high: 10, decimals: 4 };
+  const eps = { ...KNOB, unit: "V", factor: 1, low: 0, high: 10, step: 0.0005, decimals: 4 };
   const { slider } = sliderAt(0.01, { knob: eps });
   near(Number(slider.range.max), 0.05, 1e-9, "at 0.01 V of 10 V");
   same(sliderAt(0.01, { knob: eps, ends: [0, 1] }).slider.range.max, "1", "the panel's own ends come first");
