@@ -50,6 +50,17 @@ export async function theFirstMessageSaysWhoComes() {
   same(connection.link.stage, "open", "stage");
 }
 
+export async function everyConnectionTellsEverythingAnewOnce() {
+  const { connection, socket } = await connected();
+  same(connection.isNew, true, "first greeting");
+  socket.say({ type: "hello" });
+  same(connection.isNew, false, "once more when the run is armed");
+  connection.again();
+  await wait(0);
+  Socket.made.at(-1).say({ type: "hello" });
+  same(connection.isNew, true, "first greeting of the next connection");
+}
+
 export async function answersFindTheirQuestions() {
   const { socket, connection } = await connected();
   const [first, second] = [connection.request({ type: "take" }), connection.request({ type: "release" })];

@@ -56,8 +56,8 @@ export function anotherRunIsKnownByItsStart() {
   same([stateOf(early).wasArmed, state.wasArmed], [false, true], "armed");
 }
 
-export function eventsDoNotGrowWithoutEnd() {
-  const state = stateOf(hello());
-  for (let k = 0; k < 2000; k += 1) state.apply({ type: "event", tick: k, time_s: k, kind: "warning", text: "" });
-  same([state.events.length, state.events.at(-1).tick], [500, 1999], "the newest 500");
+export function namesakesAreToldApart() {
+  const state = stateOf(hello(), { type: "viewers", viewers: [{ id: 3, name: "phone" }, { id: 5, name: "phone" }, { id: 6, name: "laptop" }], in_control: 5, asking: { viewer: 3, name: "phone", seconds_left: 9 } });
+  same(state.viewers.map(({ name }) => name), ["phone 3", "phone 5", "laptop"], "names");
+  same([state.holder, state.asking.name], ["phone 5", "phone 3"], "holder and asker");
 }
