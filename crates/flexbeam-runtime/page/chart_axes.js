@@ -10,7 +10,7 @@ export const FACE = '"Inter", "Segoe UI", system-ui, "Helvetica Neue", "DejaVu S
 const TEXT = 11.5;
 const ROOM = { left: 54, right: 14, axis: 48, top: 14, bottom: 26 };
 const BETWEEN_X = 72;
-const BETWEEN_Y = 34;
+const BETWEEN_Y = 28;
 
 /**
  * Where the plot stands on its canvas [device pixels].

@@ -12,6 +12,8 @@ import { colourOf, dashed, paper } from "./colours.js";
 import { between, Cursors, readings, valueAt } from "./cursors.js";
 import { Trigger } from "./trigger.js";
 
+/** How faint the sweep before is. */
+const FAINT = 0.28;
 /** Columns before the newest sample that its line may still change. */
 const UNSETTLED = 4;
 /** A trigger ignores crossings that come back within this share of the axis. */
@@ -24,6 +26,9 @@ export class TimeChart extends Chart {
     super(of);
     this.cursors = new Cursors();
     this.layer = new TraceLayer();
+    /** The sweep before, faint until the new one has come so far: its anchor and its picture. */
+    this.before = NaN;
+    this.ghost = new TraceLayer();
     this.trigger = this.scope.trigger ? new Trigger(this.scope.trigger) : null;
     this.rolls = !this.trigger;
     this.anchor = NaN;
@@ -70,7 +75,7 @@ export class TimeChart extends Chart {
   }
 
   begin() {
-    if (this.epoch !== this.store.epoch) this.origin = NaN;
+    if (this.epoch !== this.store.epoch) this.origin = this.before = NaN;
     super.begin();
   }
 
@@ -84,8 +89,16 @@ export class TimeChart extends Chart {
     const rolls = !this.trigger || this.trigger.rolls(this.store.last, span);
     if (rolls !== this.rolls) this.view.x = null;
     if (rolls && !this.rolls) this.origin = NaN;
+    if (rolls || this.rolls) this.before = NaN;
+    else if (at !== this.anchor) this.swap();
     this.rolls = rolls;
     return rolls ? edge : at;
+  }
+
+  /** Another crossing: the sweep that was shown becomes the one before. */
+  swap() {
+    this.before = this.anchor;
+    [this.layer, this.ghost] = [this.ghost, this.layer];
   }
 
   /** Ends of the time axis from the anchor [ticks]. */
@@ -103,8 +116,10 @@ export class TimeChart extends Chart {
   }
 
   heights(hidden, begin, end, now_ms) {
-    const last = this.frozen ? Math.min(end, this.frozen.last + 1) : end;
-    return this.fitValues(hidden, now_ms, (group) => extentShown(this.store, group, begin, last));
+    const last = Math.min(end, this.newest + 1);
+    // A sweep that has only begun must not shrink the axes: what came before it counts, too.
+    const from = this.rolls ? begin : Math.min(begin, last - (end - begin));
+    return this.fitValues(hidden, now_ms, (group) => extentShown(this.store, group, from, last));
   }
 
   /** The trigger's noise follows the axis of its signal. */
@@ -156,20 +171,39 @@ export class TimeChart extends Chart {
   }
 
   drawTraces(context, frame, hidden, vector) {
-    const { store, scale } = this;
-    const { first } = scale;
+    const { origin, width } = this.scale;
+    const newest = Math.floor((this.newest - origin) / width);
     const looks = this.looks(frame, hidden);
+    const ends = this.scale.first + frame.width;
+    if (!Number.isNaN(this.before) && newest + 1 < ends) this.drawGhost(context, frame, looks, newest + 1, vector);
+    this.drawSweep(context, frame, this.layer, { looks, origin, newest, stop: this.frozen ? newest + 1 : Infinity, vector });
+  }
+
+  /** The sweep before, in the columns that the new one has not reached. */
+  drawGhost(context, frame, looks, from, vector) {
+    const left = Math.max(0, from - this.scale.first);
+    context.save();
+    context.beginPath();
+    context.rect(frame.left + left, frame.top, frame.width - left, frame.height);
+    context.clip();
+    context.globalAlpha = FAINT;
+    this.drawSweep(context, frame, this.ghost, { looks, origin: this.before, newest: Infinity, stop: Infinity, vector });
+    context.restore();
+  }
+
+  /** Traces around an origin: columns up to `stop`, those up to `newest` settled. */
+  drawSweep(context, frame, layer, { looks, origin, newest, stop, vector }) {
+    const { store } = this;
+    const { width, first } = this.scale;
     const stroke = STROKE * frame.unit;
-    const stop = this.frozen ? Math.floor((this.frozen.last - scale.origin) / scale.width) + 1 : Infinity;
     const draw = (target, a, b, x) => {
       const last = Math.min(b + 2, stop);
-      if (last > a - 2) drawColumns(target, store, scale, looks, stroke, a - 2, last, x);
+      if (last > a - 2) drawColumns(target, store, { origin, width }, looks, stroke, a - 2, last, x);
     };
     if (vector) return clipped(context, frame, () => draw(context, first, first + frame.width, (k) => k - first));
-    const settled = Math.floor((store.last - scale.origin) / scale.width) - UNSETTLED;
-    const key = JSON.stringify([scale.origin, scale.width, this.axes.y, looks, store.epoch, stroke, frame.height, stop]);
-    this.layer.update(key, first, settled, frame.width, frame.height, draw);
-    return this.layer.show(context, frame.left, frame.top);
+    const key = JSON.stringify([origin, width, this.axes.y, looks, store.epoch, stroke, stop]);
+    layer.update(key, first, newest - UNSETTLED, frame.width, frame.height, draw);
+    return layer.show(context, frame.left, frame.top);
   }
 
   /** Where the trigger's level stands [pixel], or NaN. */

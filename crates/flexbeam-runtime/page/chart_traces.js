@@ -9,6 +9,13 @@ const DENSE = 1.5;
 const DOTTED = 6;
 /** Segments stroked at once. NUMERICS: software rasters slow down with the square of a path's edges. */
 const BATCH = 128;
+/** A column that is lower than this is a point [pixels]; one that is higher than this is an upright edge. */
+const FLAT = 0.6;
+const EDGE = 24;
+/** A step between columns that is higher than this is drawn whatever the dashes say [pixels]. */
+const JUMP = 4;
+/** How far a point may lie from the line that leaves it out [pixels]. */
+const CLOSE = 0.12;
 /** Dashes: this many strokes' widths on and off. */
 const DASH_ON = 5;
 const DASH_OFF = 3;
@@ -21,39 +28,72 @@ const DASH_OFF = 3;
  * @property {(value: number) => number} y value [SI] to pixel
  */
 
-/** A path that is stroked in batches. */
+/**
+ * A path that is stroked in batches. Points that the straight line past them passes within `CLOSE` are left out: the
+ * slopes that pass all of them so are a cone, which narrows with every point.
+ */
 export class Pen {
   constructor(context) {
     this.context = context;
     this.n = 0;
-    this.x = NaN;
-    this.y = NaN;
+    this.lift();
     context.beginPath();
   }
 
+  /** The next point begins a new line. */
   lift() {
+    this.emit();
     this.x = NaN;
+    this.y = NaN;
+    this.pending = false;
   }
 
   to(x, y) {
     if (Number.isNaN(this.x)) this.context.moveTo(x, y);
-    else this.context.lineTo(x, y);
+    else {
+      const slope = (y - this.y0) / (x - this.x0);
+      const along = this.pending && x > this.x && slope >= this.least && slope <= this.most;
+      if (!along) this.emit();
+    }
+    if (!this.pending) this.start();
+    const run = x - this.x0;
+    if (run > 0) {
+      this.least = Math.max(this.least, (y - CLOSE - this.y0) / run);
+      this.most = Math.min(this.most, (y + CLOSE - this.y0) / run);
+    } else this.most = -Infinity;
+    this.pending = !Number.isNaN(this.x);
     this.x = x;
     this.y = y;
+  }
+
+  /** A cone from where the pen is. */
+  start() {
+    this.x0 = this.x;
+    this.y0 = this.y;
+    this.least = -Infinity;
+    this.most = Infinity;
+  }
+
+  /** Draws to the point that is held back. */
+  emit() {
+    if (!this.pending) return;
+    this.pending = false;
+    this.context.lineTo(this.x, this.y);
     this.n += 1;
     if (this.n < BATCH) return;
-    this.finish();
+    this.context.stroke();
     this.context.beginPath();
-    this.context.moveTo(x, y);
+    this.context.moveTo(this.x, this.y);
     this.n = 0;
   }
 
   /** A stroke of no length is not drawn by every raster: a hair's breadth is. */
   dot() {
-    if (!Number.isNaN(this.x)) this.context.lineTo(this.x + 0.01, this.y);
+    this.context.lineTo(this.x + 0.01, this.y);
   }
 
   finish() {
+    this.emit();
     this.context.stroke();
   }
 }
@@ -78,7 +118,7 @@ export function drawColumns(context, store, scale, looks, stroke, a, b, x) {
     context.fillStyle = look.colour;
     const on = look.dashed ? dashes(stroke) : null;
     if (sparse) drawSparse(context, store, scale, look, stroke, columns.from[0], columns.to[b - a - 1], x, on);
-    else drawDense(context, store, look, columns, a, x, on);
+    else drawDense(context, store, scale, look, columns, a, x, on);
   }
 }
 
@@ -89,12 +129,12 @@ function dashes(stroke) {
   return (column) => ((Math.floor(column) % all) + all) % all < on;
 }
 
-function drawDense(context, store, look, columns, a, x, on) {
+function drawDense(context, store, scale, look, columns, a, x, on) {
   const pen = new Pen(context);
   const { channel, y } = look;
   const ends = [NaN, NaN];
   const rawFirst = store.rawFirst;
-  let previous = -1;
+  let before = null;
   for (let k = 0; k < columns.from.length; k += 1) {
     const from = columns.from[k];
     const to = columns.to[k];
@@ -102,40 +142,65 @@ function drawDense(context, store, look, columns, a, x, on) {
     store.extremes(channel, from, to, ends);
     if (Number.isNaN(ends[0])) {
       pen.lift();
+      before = null;
       continue;
     }
-    if (from > previous && store.gapBefore(from)) pen.lift();
-    previous = from;
+    if (before && from > before.from && store.gapBefore(from)) {
+      pen.lift();
+      before = null;
+    }
+    const left = x(a + k);
     const known = from >= rawFirst;
-    const first = known ? store.valueAt(channel, from) : (ends[0] + ends[1]) / 2;
-    const last = known ? store.valueAt(channel, to - 1) : first;
-    drawColumn(pen, x(a + k) + 0.5, y(ends[0]), y(ends[1]), y(first), y(last), !on || on(a + k));
+    const middle = y((ends[0] + ends[1]) / 2);
+    const column = {
+      from,
+      x: left + 0.5,
+      bottom: y(ends[0]),
+      top: y(ends[1]),
+      first: known ? y(store.valueAt(channel, from)) : middle,
+      last: known ? y(store.valueAt(channel, to - 1)) : middle,
+      x_first: known ? x((store.tickAt(from) - scale.origin) / scale.width) : left + 0.5,
+      x_last: known ? x((store.tickAt(to - 1) - scale.origin) / scale.width) : left + 0.5,
+      down: !on || on(a + k),
+    };
+    if (on && before && Math.abs(column.first - before.last) > JUMP) drawJump(pen, before, column);
+    drawColumn(pen, column);
+    before = column;
   }
   pen.finish();
 }
 
-/** First, extremes, last; a flat column is one point, and a dash leaves out flat columns only. */
-function drawColumn(pen, x, bottom, top, first, last, down) {
-  const flat = Math.abs(top - bottom) < 0.5;
-  if (flat && !down) {
-    pen.lift();
-    return;
-  }
+/** A step between two columns: no dash leaves it out. */
+function drawJump(pen, before, column) {
+  if (Number.isNaN(pen.x)) pen.to(before.x_last, before.last);
+  pen.to(column.x_first, column.first);
+}
+
+/** Through a column: its extremes in its middle, its first and last sample where they are. */
+function drawColumn(pen, { x, bottom, top, first, last, x_first, x_last, down }) {
+  const height = Math.abs(top - bottom);
+  if (height < FLAT && !down) return pen.lift();
   const alone = Number.isNaN(pen.x);
-  if (flat) {
-    if (!Number.isNaN(last)) pen.to(x, last);
-    if (alone) pen.dot();
-    return;
-  }
   if (Number.isNaN(first)) pen.lift();
-  else pen.to(x, first);
+  const rising = first === bottom && last === top;
+  const monotone = rising || (first === top && last === bottom);
+  if (monotone && height < EDGE) {
+    if (alone || height > FLAT) pen.to(x_first, first);
+    pen.to(x_last, last);
+    return alone ? pen.dot() : undefined;
+  }
+  if (height < FLAT && !Number.isNaN(last)) {
+    pen.to(x, alone ? first : (top + bottom) / 2);
+    return alone ? pen.dot() : undefined;
+  }
+  if (!Number.isNaN(first)) pen.to(monotone ? x : x_first, first);
   // The extreme that is further from the last sample comes first: fewer strokes over one another.
   const upFirst = Math.abs(top - last) > Math.abs(bottom - last);
   const [one, two] = upFirst ? [top, bottom] : [bottom, top];
   if (one !== first) pen.to(x, one);
   pen.to(x, two);
-  if (Number.isNaN(last)) pen.lift();
-  else if (last !== two) pen.to(x, last);
+  if (Number.isNaN(last)) return pen.lift();
+  return pen.to(monotone ? x : x_last, last);
 }
 
 function drawSparse(context, store, scale, look, stroke, from, to, x, on) {
@@ -165,8 +230,8 @@ function dashTo(pen, x, y, on, origin) {
   const shift = origin(0);
   for (let next = Math.floor(x0) + 1; next < x && !steep; next += 1) {
     const there = y0 + ((next - x0) / (x - x0)) * (y - y0);
-    if (on(next - 1 - shift)) pen.to(next, there);
-    else pen.context.moveTo((pen.x = next), (pen.y = there));
+    if (!on(next - 1 - shift)) pen.lift();
+    pen.to(next, there);
   }
   pen.to(x, y);
 }

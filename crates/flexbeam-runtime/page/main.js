@@ -33,7 +33,7 @@ const tell = (text) => banner.tell(text);
 const request = (message) => connection.request(message);
 const theme = new Theme(() => refresh());
 const top = new TopBar({ root: place("top"), act: (what) => request({ type: "do", request: { do: what } }), tell, theme, help });
-const viewers = new Viewers({ control: place("control"), list: facts.here, sheets: place("sheets"), request, tell, rename, token: enterToken });
+const viewers = new Viewers({ control: place("control"), list: facts.here, sheets: place("sheets"), announcer: place("announcer"), request, tell, rename, token: enterToken });
 const events = new Events({ root: facts.events, announcer: place("announcer") });
 place("facts").append(...Object.values(facts));
 const connection = new Connection({
@@ -71,7 +71,7 @@ function forget() {
 
 /** A first greeting builds the page; later ones of the same run only go on. */
 function greet(hello) {
-  events.clear();
+  if (connection.isNew) events.clear();
   if (shown !== null) return;
   const { signals, certificate, run } = hello;
   const store = new Store({ signals, period_s: run.period_s });

@@ -61,7 +61,7 @@ export class ScopeCard {
     this.context = this.canvas.getContext("2d");
     this.plot = element("div", { class: "scope-plot", tabindex: 0, role: "group" }, this.canvas);
     this.title = element("input", { class: "scope-title", "aria-label": "Title of the scope", spellcheck: "false", value: config.title, onchange: () => this.rename() });
-    this.state = element("button", { type: "button", class: "scope-state", disabled: true, onclick: () => this.arm() });
+    this.state = element("button", { type: "button", class: "scope-state", hidden: true, disabled: true, onclick: () => this.arm() });
     this.readings = new Readings();
     this.gone = element("p", { class: "scope-gone", hidden: true });
     const move = (by) => () => onmove(this, by);
@@ -90,7 +90,7 @@ export class ScopeCard {
     this.signals = signals.filter((signal) => axisOf(signals, signal) < 2);
     this.chart = new CHARTS[config.kind]({ store: this.store, scope: config, signals: this.signals });
     this.legend?.element.remove();
-    this.legend = new Legend(this.signals, this.hidden, () => this.changed());
+    this.legend = new Legend(this.chart.vertical, this.hidden, () => this.changed());
     this.head.after(this.legend.element);
     this.tell(gone, third);
     this.name();
@@ -121,6 +121,7 @@ export class ScopeCard {
 
   name() {
     this.element.setAttribute("aria-label", `Scope: ${this.config.title}`);
+    this.canvas.setAttribute("aria-label", `Plot of ${this.config.title}`);
     this.plot.setAttribute("aria-label", `Plot of ${this.config.title}. Arrows move, plus and minus zoom, space pauses, c shows cursors.`);
   }
 
@@ -298,15 +299,17 @@ export class ScopeCard {
     if (this.paused) [state, text] = ["paused", "Paused"];
     if (this.state.textContent === text && this.state.dataset.state === state) return;
     this.state.textContent = text;
+    this.state.hidden = text === "";
     this.state.dataset.state = state;
     this.state.disabled = state !== "held";
   }
 
   /** The plot in words. */
   summary() {
-    const values = this.signals
-      .filter((signal) => !this.hidden.has(signal.key))
-      .map((signal, k) => `${signal.label} ${this.legend.values[k].textContent}`);
+    const values = this.legend.signals
+      .map((signal, k) => [signal, this.legend.values[k].textContent])
+      .filter(([signal]) => !this.hidden.has(signal.key))
+      .map(([signal, text]) => `${signal.label} ${text}`);
     return `${this.config.title}, ${spanText(this.config.span_s)}: ${values.join("; ")}`;
   }
 
