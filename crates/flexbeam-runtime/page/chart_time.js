@@ -18,6 +18,8 @@ const FAINT = 0.28;
 const UNSETTLED = 4;
 /** A trigger ignores crossings that come back within this share of the axis. */
 const NOISE = 0.01;
+/** Longer than this, minutes are counted [s]. */
+const LONG_S = 240;
 /** Least that the time axis shows [ticks]. */
 const LEAST = 4;
 
@@ -165,9 +167,9 @@ export class TimeChart extends Chart {
   drawTime(context, frame) {
     const shift = this.rolls ? this.anchor : 0;
     const ends = this.axes.x.map((ticks) => (ticks + shift) * this.store.period_s);
-    const small = !this.rolls && Math.max(...ends.map(Math.abs)) < 0.5;
-    const shown = small ? ends.map((end) => end * 1000) : ends;
-    this.drawPaper(context, frame, shown, Number.isFinite(shown[0]) ? labelsX(frame, shown, small ? "ms" : "s") : []);
+    const { unit, per_s } = timeUnit(ends, this.rolls);
+    const shown = ends.map((end) => end * per_s);
+    this.drawPaper(context, frame, shown, Number.isFinite(shown[0]) ? labelsX(frame, shown, unit) : []);
   }
 
   drawTraces(context, frame, hidden, vector) {
@@ -283,4 +285,10 @@ export class TimeChart extends Chart {
       note: Number.isFinite(frequency_hz) ? `1/\u0394t = ${quantity(frequency_hz, 3, "Hz")}` : "",
     };
   }
+}
+
+/** Unit of the time axis: milliseconds around a crossing, minutes when there are many. */
+function timeUnit([begin, end], rolls) {
+  if (!rolls && Math.max(-begin, end) < 0.5) return { unit: "ms", per_s: 1000 };
+  return end - begin > LONG_S ? { unit: "min", per_s: 1 / 60 } : { unit: "s", per_s: 1 };
 }
