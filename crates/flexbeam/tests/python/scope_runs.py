@@ -41,8 +41,9 @@ def a_run_is_started_changed_and_stopped(program, browser):
     stepped = viewer.reading(AMPLITUDE)
     assert stepped < dragged
     viewer.follows(stepped)
-    viewer.page.get_by_text("None", exact=True).click()
-    viewer.until("the law is changed", lambda: viewer.page.get_by_label("None", exact=True).is_checked())
+    law = viewer.page.get_by_role("group", name="Law").get_by_role("radio", name="None")
+    law.check()
+    expect(law).to_be_checked()
     viewer.goes_on(1500)
     viewer.shot("run_changed")
     viewer.press("Stop")

@@ -114,15 +114,21 @@ class Viewer:
         names = []
         for _ in range(120):
             self.page.keyboard.press("Shift+Tab" if backwards else "Tab")
-            focus = self.ask("""() => {
-                const one = document.activeElement, {outlineStyle, outlineWidth} = getComputedStyle(one);
-                return [one.ariaLabel ?? one.textContent.trim(), outlineStyle !== "none" && parseFloat(outlineWidth) > 0, one.type];
-            }""")
+            focus = self.ask("() => [document.activeElement.ariaLabel ?? document.activeElement.textContent.trim(), document.activeElement.type]")
             names.append(focus[0])
-            if focus[0] == name and focus[2] != "text":
-                assert focus[1], f"no outline around {name}"
-                return
+            if focus[0] == name and focus[1] != "text":
+                return self._has_a_ring(name)
         raise AssertionError(f"Tab never came to {name}, but to {names}")
+
+    def _has_a_ring(self, name):
+        """The control with the focus looks other without it."""
+        box = self.page.locator(":focus").bounding_box()
+        clip = {"x": box["x"] - 6, "y": box["y"] - 6, "width": box["width"] + 12, "height": box["height"] + 12}
+        control = self.page.evaluate_handle("() => document.activeElement")
+        focused = self.page.screenshot(clip=clip)
+        control.evaluate("one => one.blur()")
+        assert self.page.screenshot(clip=clip) != focused, f"{name} with the focus looks as without"
+        control.evaluate("one => one.focus({focusVisible: true})")
 
     # What the page holds.
 
