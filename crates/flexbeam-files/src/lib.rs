@@ -45,6 +45,7 @@ pub use columns::{ColumnName, nearest};
 pub use controller::{Controller, Design};
 pub use csv::{LEFT_OUT, csv_text};
 pub use document::{Document, place_of, schema_of};
+pub use emit::quoted as toml_string;
 pub use error::{Error, Place, Tried};
 pub use extended::Extended;
 pub use fault::Fault;
@@ -59,7 +60,7 @@ pub use project_file::ProjectFile;
 pub use provenance::{Parent, Provenance, State, Step, trace};
 pub use recording::{FEWEST_ROWS, Layout, PERIOD_TOLERANCE, Recording, STEP_TOLERANCE, write_signals};
 pub use results::{
-    ColumnSummary, DesignResult, DistributedBeam, ExportResult, Figure, IdentifyResult, MonteCarlo,
+    ColumnSummary, DesignResult, DistributedBeam, ExportResult, Figure, IdentifyResult, MonteCarlo, NewResult,
     RationalCoefficients, RecordResult, RecordingSummary, ReferenceModel, RigTestResult, SampledRadius, ShowResult,
     SimulateResult, SolvabilityResult, Spread, VerifyResult, json_text,
 };
