@@ -93,7 +93,7 @@ fn allocations(rig: SimulatedRig, plant_an_allocation: bool) -> (u64, flexbeam_r
     let (server, latest) = (support::server(support::about(None)), Latest::default());
     let sinks: Vec<Box<dyn Sink>> =
         vec![Box::new(ear.clone()), Box::new(latest.clone()), Box::new(server.sink(&support::header(1e-3)))];
-    let mut viewer = support::Viewer::enter(&server, serde_json::json!({}));
+    let mut viewer = support::enter(&server, serde_json::json!({}));
     let watching = std::thread::spawn(move || viewer.closed());
     let session = Session::arm_on(Monotonic, Box::new(rig), setup, sinks).unwrap();
     let (controls, live) = (session.controls.clone(), session.live.clone());

@@ -10,7 +10,7 @@ use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-use support::{Said, Viewer, about, header, server};
+use support::{Said, about, enter, header, server};
 
 /// Memory of this process [bytes].
 fn resident() -> usize {
@@ -27,11 +27,11 @@ const AHEAD: u64 = 30_000;
 fn ten_viewers_and_one_of_them_stalled() {
     let server = server(about(None));
     let mut sink = server.sink(&header(1e-3));
-    let mut stalled = Viewer::enter(&server, json!({}));
+    let mut stalled = enter(&server, json!({}));
     let places: Arc<Vec<AtomicU64>> = Arc::new((0..9).map(|_| AtomicU64::new(0)).collect());
     let readers: Vec<_> = (0..places.len())
         .map(|k| {
-            let (mut viewer, places) = (Viewer::enter(&server, json!({})), places.clone());
+            let (mut viewer, places) = (enter(&server, json!({})), places.clone());
             std::thread::spawn(move || {
                 let (mut next, mut lost) = (0, 0);
                 while next < SAMPLES {
