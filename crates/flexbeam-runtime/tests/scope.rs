@@ -292,7 +292,7 @@ fn a_connection_that_comes_back_has_its_seat_and_every_sample() {
     drop(viewer);
     std::thread::sleep(std::time::Duration::from_millis(300));
     let (good, last) = (token(&run.server), ticks.last().copied().unwrap());
-    let enter = |after: u64, start: u64| json!({ "token": good, "name": "laptop", "key": "laptop", "after": after, "run": start.to_string() });
+    let keys = |after: u64, start: u64| json!({ "token": good, "name": "laptop", "key": "laptop", "after": after, "run": start.to_string() });
     let mut back = enter(&run.server, keys(last, START_UNIX_NS));
     let frame = back.frame();
     assert!(frame.ticks[0] > last && frame.lost == 0);

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use std::sync::{Arc, Mutex};
 
 use super::scripted::{Ear, open_loop, simulated};
+#[allow(unused_imports, reason = "each test uses a part")]
 pub use viewer::{Frame, Said, Viewer, handshake, read};
 
 pub const START_UNIX_NS: u64 = 1_764_000_000_123_456_789;
