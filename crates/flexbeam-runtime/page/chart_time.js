@@ -280,7 +280,7 @@ export class TimeChart extends Chart {
       return { cells: [label, text(reading.a), text(reading.b), text(reading.difference)], colour: colourOf(key) };
     });
     return {
-      head: ["", "A", "B", "B \u2212 A"],
+      head: ["Signal", "A", "B", "B \u2212 A"],
       rows: [{ cells: ["Time", time(a), time(b), seconds(time_s, 4)], colour: null }, ...rows],
       note: Number.isFinite(frequency_hz) ? `1/\u0394t = ${quantity(frequency_hz, 3, "Hz")}` : "",
     };
