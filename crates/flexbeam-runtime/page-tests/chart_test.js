@@ -1,6 +1,6 @@
 import { ScopeCard } from "../page/scope_card.js";
 import { Store } from "../page/store.js";
-import { check, frameOf, near, same, SIGNALS } from "./check.js";
+import { check, frameOf, laidOut, near, same, SIGNALS } from "./check.js";
 
 const SCOPE = { title: "Tip", kind: "time", signals: ["psi_rad", "voltage_v"], span_s: 2 };
 const DEG = 180 / Math.PI;
@@ -16,7 +16,7 @@ async function cardOf(scope = SCOPE, ticks = 8000) {
   const card = new ScopeCard({ store, signals: SIGNALS, scope, period_s: 0.001, onchange: (c) => saved.push(c.scope), onremove: (c) => c.destroy(), onmove() {} });
   card.element.style.cssText = "width: 900px; height: 460px";
   document.body.replaceChildren(card.element);
-  await new Promise((done) => setTimeout(done, 60));
+  await laidOut(card);
   frame(card);
   return { card, store, saved };
 }
@@ -204,7 +204,7 @@ export async function aFrameOfTenSignalsIsShort() {
   const card = new ScopeCard({ store, signals, scope: { title: "Ten", kind: "time", signals: signals.map((s) => s.key), span_s: 10 }, period_s: 0.001, onchange() {}, onremove() {}, onmove() {} });
   card.element.style.cssText = "width: 1600px; height: 900px";
   document.body.replaceChildren(card.element);
-  await new Promise((done) => setTimeout(done, 60));
+  await laidOut(card);
   const took = [];
   for (let k = 0; k < 90; k += 1) {
     store.push(many(12_000 + 17 * k, 12_017 + 17 * k));

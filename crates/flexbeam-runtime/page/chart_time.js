@@ -41,7 +41,6 @@ export class TimeChart extends Chart {
 
   /** Stops at what is shown now, or goes on. */
   pause(yes) {
-    if (!yes) this.view.x = null;
     this.frozen = yes ? { anchor: this.anchor, rolls: this.rolls, last: this.store.last } : null;
   }
 

@@ -272,9 +272,12 @@ export class ScopeCard {
 
   fitCanvas() {
     const unit = devicePixelRatio;
-    const [width, height] = [Math.round(this.size.width * unit), Math.round(this.size.height * unit)];
-    if (this.canvas.width !== width) this.canvas.width = width;
-    if (this.canvas.height !== height) this.canvas.height = height;
+    const [width, height] = [Math.floor(this.size.width * unit), Math.floor(this.size.height * unit)];
+    if (this.canvas.width !== width || this.canvas.height !== height) {
+      Object.assign(this.canvas, { width, height });
+      // Not stretched to a size that is no whole number of pixels: that would blur it.
+      Object.assign(this.canvas.style, { width: `${width / unit}px`, height: `${height / unit}px` });
+    }
     this.frame = frameOf(width, height, unit, this.chart.axisCount);
   }
 
