@@ -18,6 +18,8 @@ const FAINT = 0.28;
 const UNSETTLED = 4;
 /** A trigger ignores crossings that come back within this share of the axis. */
 const NOISE = 0.01;
+/** Longer than this, minutes are counted [s]. */
+const LONG_S = 240;
 /** Least that the time axis shows [ticks]. */
 const LEAST = 4;
 
@@ -39,7 +41,6 @@ export class TimeChart extends Chart {
 
   /** Stops at what is shown now, or goes on. */
   pause(yes) {
-    if (!yes) this.view.x = null;
     this.frozen = yes ? { anchor: this.anchor, rolls: this.rolls, last: this.store.last } : null;
   }
 
@@ -165,9 +166,9 @@ export class TimeChart extends Chart {
   drawTime(context, frame) {
     const shift = this.rolls ? this.anchor : 0;
     const ends = this.axes.x.map((ticks) => (ticks + shift) * this.store.period_s);
-    const small = !this.rolls && Math.max(...ends.map(Math.abs)) < 0.5;
-    const shown = small ? ends.map((end) => end * 1000) : ends;
-    this.drawPaper(context, frame, shown, Number.isFinite(shown[0]) ? labelsX(frame, shown, small ? "ms" : "s") : []);
+    const { unit, per_s } = timeUnit(ends, this.rolls);
+    const shown = ends.map((end) => end * per_s);
+    this.drawPaper(context, frame, shown, Number.isFinite(shown[0]) ? labelsX(frame, shown, unit) : []);
   }
 
   drawTraces(context, frame, hidden, vector) {
@@ -278,9 +279,15 @@ export class TimeChart extends Chart {
       return { cells: [label, text(reading.a), text(reading.b), text(reading.difference)], colour: colourOf(key) };
     });
     return {
-      head: ["", "A", "B", "B \u2212 A"],
+      head: ["Signal", "A", "B", "B \u2212 A"],
       rows: [{ cells: ["Time", time(a), time(b), seconds(time_s, 4)], colour: null }, ...rows],
       note: Number.isFinite(frequency_hz) ? `1/\u0394t = ${quantity(frequency_hz, 3, "Hz")}` : "",
     };
   }
+}
+
+/** Unit of the time axis: milliseconds around a crossing, minutes when there are many. */
+function timeUnit([begin, end], rolls) {
+  if (!rolls && Math.max(-begin, end) < 0.5) return { unit: "ms", per_s: 1000 };
+  return end - begin > LONG_S ? { unit: "min", per_s: 1 / 60 } : { unit: "s", per_s: 1 };
 }

@@ -164,7 +164,7 @@ function drawDense(context, store, scale, look, columns, a, x, on) {
       down: !on || on(a + k),
     };
     if (on && before && Math.abs(column.first - before.last) > JUMP) drawJump(pen, before, column);
-    drawColumn(pen, column);
+    drawColumn(pen, column, before);
     before = column;
   }
   pen.finish();
@@ -177,7 +177,7 @@ function drawJump(pen, before, column) {
 }
 
 /** Through a column: its extremes in its middle, its first and last sample where they are. */
-function drawColumn(pen, { x, bottom, top, first, last, x_first, x_last, down }) {
+function drawColumn(pen, { x, bottom, top, first, last, x_first, x_last, down }, before) {
   const height = Math.abs(top - bottom);
   if (height < FLAT && !down) return pen.lift();
   const alone = Number.isNaN(pen.x);
@@ -192,6 +192,13 @@ function drawColumn(pen, { x, bottom, top, first, last, x_first, x_last, down })
   if (height < FLAT && !Number.isNaN(last)) {
     pen.to(x, alone ? first : (top + bottom) / 2);
     return alone ? pen.dot() : undefined;
+  }
+  // Columns that overlap cover where the line goes from one to the other: an upright stroke each is the same picture.
+  if (!alone && before && before.top <= bottom && top <= before.bottom) {
+    const fromTop = Math.abs(pen.y - top) < Math.abs(pen.y - bottom);
+    pen.to(x, fromTop ? top : bottom);
+    pen.to(x, fromTop ? bottom : top);
+    return Number.isNaN(last) ? pen.lift() : undefined;
   }
   if (!Number.isNaN(first)) pen.to(monotone ? x : x_first, first);
   // The extreme that is further from the last sample comes first: fewer strokes over one another.
