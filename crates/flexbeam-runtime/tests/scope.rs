@@ -10,7 +10,7 @@ use flexbeam_runtime::scope::{NoScope, ScopeServer, Token};
 use flexbeam_runtime::{Phase, RunFault, Sample};
 use serde_json::{Value, json};
 use std::sync::atomic::Ordering;
-use support::{Frame, Run, START_UNIX_NS, Said, Viewer, about, handshake, read, server, token};
+use support::{Frame, Run, START_UNIX_NS, Said, Viewer, about, enter, handshake, read, server, token};
 use tungstenite::Message;
 
 fn channel(viewer: &Viewer, key: &str) -> usize {
@@ -59,7 +59,7 @@ fn what_viewers_see_is_what_the_run_was() {
                 controls.start();
             }
             if before < 400 && seen >= 400 {
-                late = Some(Viewer::enter(&server, json!({})));
+                late = Some(enter(&server, json!({})));
                 controls.stop();
             }
         }
@@ -203,24 +203,24 @@ fn without_the_token_nothing_changes() {
 #[test]
 fn three_wrong_tokens_close_the_connection_and_a_good_one_may_come_later() {
     let run = Run::armed();
-    let enter = |token: &str| {
+    let entering = |token: &str| {
         Message::text(
             json!({ "type": "enter", "protocol": 1, "token": token, "name": "", "key": "", "after": null }).to_string(),
         )
     };
     let wrong = "a".repeat(26);
-    let mut viewer = Viewer::enter(&run.server, json!({ "token": wrong }));
+    let mut viewer = enter(&run.server, json!({ "token": wrong }));
     assert_eq!((&viewer.hello["token"], &viewer.hello["may"]), (&json!("wrong"), &json!("look")));
     assert!(viewer.take().unwrap().contains("token"));
-    viewer.socket().send(enter(&wrong)).unwrap();
+    viewer.socket().send(entering(&wrong)).unwrap();
     assert_eq!(viewer.text("hello")["token"], "wrong");
-    viewer.socket().send(enter(&token(&run.server))).unwrap();
+    viewer.socket().send(entering(&token(&run.server))).unwrap();
     assert_eq!(viewer.text("hello")["may"], "steer");
     assert_eq!(viewer.take(), None);
 
-    let mut guesser = Viewer::enter(&run.server, json!({ "token": "" }));
-    guesser.socket().send(enter(&wrong)).unwrap();
-    guesser.socket().send(enter(&wrong)).unwrap();
+    let mut guesser = enter(&run.server, json!({ "token": "" }));
+    guesser.socket().send(entering(&wrong)).unwrap();
+    guesser.socket().send(entering(&wrong)).unwrap();
     assert_eq!(guesser.closed(), 4001);
     run.end("warning");
 }
@@ -293,7 +293,7 @@ fn a_connection_that_comes_back_has_its_seat_and_every_sample() {
     std::thread::sleep(std::time::Duration::from_millis(300));
     let (good, last) = (token(&run.server), ticks.last().copied().unwrap());
     let enter = |after: u64, start: u64| json!({ "token": good, "name": "laptop", "key": "laptop", "after": after, "run": start.to_string() });
-    let mut back = Viewer::enter(&run.server, enter(last, START_UNIX_NS));
+    let mut back = enter(&run.server, keys(last, START_UNIX_NS));
     let frame = back.frame();
     assert!(frame.ticks[0] > last && frame.lost == 0);
     ticks.extend(frame.ticks);
@@ -302,7 +302,7 @@ fn a_connection_that_comes_back_has_its_seat_and_every_sample() {
     }
     assert_eq!(back.set(json!({ "eps_u_v": 0.5 })), None, "the seat was kept");
     // What the page had was of another run: it gets this one whole.
-    let mut other = Viewer::enter(&run.server, enter(last, 1));
+    let mut other = enter(&run.server, keys(last, 1));
     let first = other.frame().ticks[0];
     let (_, ear) = run.finish();
     let samples = &ear.0.lock().unwrap().samples;
@@ -342,7 +342,7 @@ fn before_the_run_is_armed_a_viewer_sees_that_and_may_end_the_homing() {
     let about = about(None);
     let asked = about.asked.clone();
     let server = server(about);
-    let mut viewer = Viewer::enter(&server, json!({ "token": token(&server) }));
+    let mut viewer = enter(&server, json!({ "token": token(&server) }));
     assert_eq!((&viewer.hello["knobs"], &viewer.hello["run"]["start_unix_ns"]), (&json!([]), &json!("0")));
     assert_eq!(viewer.text("state")["phase"], "configured");
     viewer.take();
@@ -358,7 +358,7 @@ fn before_the_run_is_armed_a_viewer_sees_that_and_may_end_the_homing() {
 #[test]
 fn hello_comes_again_when_the_run_is_armed() {
     let server = server(about(None));
-    let mut viewer = Viewer::enter(&server, json!({}));
+    let mut viewer = enter(&server, json!({}));
     let (live, _reader) = flexbeam_runtime::live(scripted::constant(0.0)).unwrap();
     let steering =
         flexbeam_runtime::Steering { controls: Default::default(), live, latest: Default::default(), period_s: 1e-3 };

@@ -12,7 +12,7 @@ use std::net::TcpStream;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use support::{Run, Said, Viewer, about, handshake, header, read, server, token};
+use support::{Run, Said, Viewer, about, enter, handshake, header, read, server, token};
 use tungstenite::Message;
 use tungstenite::protocol::frame::coding::{Control, Data, OpCode};
 use tungstenite::protocol::frame::{Frame, FrameHeader};
@@ -244,7 +244,7 @@ fn a_full_house_is_refused_and_the_token_opens_it() {
 fn what_a_viewer_is_called_cannot_write_on_a_terminal() {
     let run = Run::armed();
     let name = format!("a\u{1b}[2Jb\n{}", "x".repeat(10_000));
-    let mut viewer = Viewer::enter(&run.server, json!({ "token": token(&run.server), "name": name }));
+    let mut viewer = enter(&run.server, json!({ "token": token(&run.server), "name": name }));
     viewer.take();
     let told = run.end("control");
     assert!(told[0].contains("a[2Jb") && told[0].chars().count() < 100 && !told[0].contains('\u{1b}'), "{told:?}");
@@ -268,7 +268,7 @@ fn refusals_and_changes_of_hands_do_not_fill_the_recording() {
 fn a_server_ends_although_a_viewer_never_reads() {
     let server = server(about(None));
     let mut sink = server.sink(&header(1e-3));
-    let stalled = Viewer::enter(&server, json!({}));
+    let stalled = enter(&server, json!({}));
     (0..200_000).for_each(|instant| sink.sample(&Sample { instant, ..Sample::default() }).unwrap());
     std::thread::sleep(Duration::from_millis(500));
     let began = Instant::now();
@@ -282,8 +282,8 @@ fn a_server_ends_although_a_viewer_never_reads() {
 fn a_viewer_that_takes_nothing_for_ten_seconds_is_let_go() {
     let server = server(about(None));
     let mut sink = server.sink(&header(1e-3));
-    let mut stalled = Viewer::enter(&server, json!({}));
-    let mut other = Viewer::enter(&server, json!({}));
+    let mut stalled = enter(&server, json!({}));
+    let mut other = enter(&server, json!({}));
     let end = Instant::now() + Duration::from_secs(60);
     let enough = Arc::new(AtomicBool::new(false));
     let done = enough.clone();

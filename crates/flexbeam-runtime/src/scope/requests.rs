@@ -9,6 +9,9 @@ use flexbeam_files::{Deed, Knob, PageMessage, Request, Screen, SettingValue, req
 use std::collections::BTreeMap;
 use std::sync::atomic::Ordering;
 
+/// Of keys that nobody knows, in an answer [characters].
+const LONGEST_KEYS: usize = 200;
+
 /// Why nothing was done.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum NotDone {
@@ -98,7 +101,8 @@ impl Hall {
     fn set(&self, id: u64, values: &BTreeMap<String, SettingValue>) -> Result<(), NotDone> {
         self.seats(|seats, now| seats.check_control(now, id))?;
         let steering = self.armed()?;
-        let keys = || values.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+        let keys =
+            || values.keys().map(String::as_str).collect::<Vec<_>>().join(", ").chars().take(LONGEST_KEYS).collect();
         let request: Request =
             request_of_values(values).map_err(|reason| NotDone::NoSetting { keys: keys(), reason })?;
         let live = steering.live.current();
