@@ -2,7 +2,7 @@ import { csv, single } from "../page/snapshot_csv.js";
 import { fileName } from "../page/snapshot.js";
 import { ScopeCard } from "../page/scope_card.js";
 import { Store } from "../page/store.js";
-import { check, frameOf, near, random, same, SIGNALS } from "./check.js";
+import { check, frameOf, laidOut, near, random, same, SIGNALS } from "./check.js";
 import { png, svg } from "../page/snapshot.js";
 
 export function csvReadsBackToTheBit() {
@@ -47,7 +47,7 @@ async function shown(kind, title = "Tip <angle> & voltage") {
   const card = new ScopeCard({ store, signals: SIGNALS, scope, period_s: 0.001, onchange() {}, onremove() {}, onmove() {} });
   card.element.style.cssText = "width: 800px; height: 420px";
   document.body.append(card.element);
-  await new Promise((done) => setTimeout(done, 60));
+  await laidOut(card);
   card.draw(1000);
   return card;
 }

@@ -41,7 +41,6 @@ export class TimeChart extends Chart {
 
   /** Stops at what is shown now, or goes on. */
   pause(yes) {
-    if (!yes) this.view.x = null;
     this.frozen = yes ? { anchor: this.anchor, rolls: this.rolls, last: this.store.last } : null;
   }
 
@@ -280,7 +279,7 @@ export class TimeChart extends Chart {
       return { cells: [label, text(reading.a), text(reading.b), text(reading.difference)], colour: colourOf(key) };
     });
     return {
-      head: ["", "A", "B", "B \u2212 A"],
+      head: ["Signal", "A", "B", "B \u2212 A"],
       rows: [{ cells: ["Time", time(a), time(b), seconds(time_s, 4)], colour: null }, ...rows],
       note: Number.isFinite(frequency_hz) ? `1/\u0394t = ${quantity(frequency_hz, 3, "Hz")}` : "",
     };

@@ -48,8 +48,14 @@ function take(message) {
   if (message.type === "hello") greet(message);
   if (message.type === "event") events.add(message);
   if (message.type === "viewers") takeFreeSeat();
-  if (message.type === "over") openResult(message.result);
+  if (message.type === "over") end(message.result);
   update();
+}
+
+/** What was told about the run has no meaning any more; how it ended has. */
+function end(result) {
+  banner.clear();
+  openResult(result);
 }
 
 /** What the page has already, and of which run; the rest is sent again. */

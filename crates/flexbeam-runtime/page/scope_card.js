@@ -61,7 +61,8 @@ export class ScopeCard {
     this.context = this.canvas.getContext("2d");
     this.plot = element("div", { class: "scope-plot", tabindex: 0, role: "group" }, this.canvas);
     this.title = element("input", { class: "scope-title", "aria-label": "Title of the scope", spellcheck: "false", value: config.title, onchange: () => this.rename() });
-    this.state = element("button", { type: "button", class: "scope-state", hidden: true, disabled: true, onclick: () => this.arm() });
+    this.state = element("span", { class: "scope-state" });
+    this.again = element("button", { type: "button", class: "scope-again", text: "Arm again", hidden: true, onclick: () => this.arm() });
     this.readings = new Readings();
     this.gone = element("p", { class: "scope-gone", hidden: true });
     const move = (by) => () => onmove(this, by);
@@ -77,7 +78,7 @@ export class ScopeCard {
     const shot = (kind) => () => this.snapshot(kind);
     const entries = [["Picture (PNG)", shot("png")], ["Drawing (SVG)", shot("svg")], ["Samples (CSV)", shot("csv")], ["Move up", move(-1)], ["Move down", move(1)], ["Remove", () => onremove(this)]];
     const bar = element("div", { class: "scope-tools", role: "toolbar" }, ...this.styles, ...Object.values(this.tools), settings, ...menu("More", entries));
-    this.head = element("header", { class: "scope-head" }, this.title, this.state, bar);
+    this.head = element("header", { class: "scope-head" }, this.title, this.state, this.again, bar);
     this.element = element("section", { class: "scope" }, this.head, this.gone, this.plot, this.readings.element);
     this.gestures = new Gestures(this.plot, this);
   }
@@ -120,8 +121,8 @@ export class ScopeCard {
   }
 
   name() {
+    this.canvas.setAttribute("aria-label", this.config.title);
     this.element.setAttribute("aria-label", `Scope: ${this.config.title}`);
-    this.canvas.setAttribute("aria-label", `Plot of ${this.config.title}`);
     this.plot.setAttribute("aria-label", `Plot of ${this.config.title}. Arrows move, plus and minus zoom, space pauses, c shows cursors.`);
   }
 
@@ -271,9 +272,12 @@ export class ScopeCard {
 
   fitCanvas() {
     const unit = devicePixelRatio;
-    const [width, height] = [Math.round(this.size.width * unit), Math.round(this.size.height * unit)];
-    if (this.canvas.width !== width) this.canvas.width = width;
-    if (this.canvas.height !== height) this.canvas.height = height;
+    const [width, height] = [Math.floor(this.size.width * unit), Math.floor(this.size.height * unit)];
+    if (this.canvas.width !== width || this.canvas.height !== height) {
+      Object.assign(this.canvas, { width, height });
+      // Not stretched to a size that is no whole number of pixels: that would blur it.
+      Object.assign(this.canvas.style, { width: `${width / unit}px`, height: `${height / unit}px` });
+    }
     this.frame = frameOf(width, height, unit, this.chart.axisCount);
   }
 
@@ -294,14 +298,13 @@ export class ScopeCard {
     if (trigger) {
       state = this.chart.rolls ? "armed" : trigger.state;
       const at = Number.isNaN(trigger.at) ? "" : ` at ${seconds(trigger.at * this.store.period_s, 3)}`;
-      text = { armed: "Waiting for trigger", triggered: `Triggered${at}`, held: `Held${at}: arm again` }[state];
+      text = { armed: "Waiting for trigger", triggered: `Triggered${at}`, held: `Held${at}` }[state];
     }
     if (this.paused) [state, text] = ["paused", "Paused"];
     if (this.state.textContent === text && this.state.dataset.state === state) return;
     this.state.textContent = text;
-    this.state.hidden = text === "";
     this.state.dataset.state = state;
-    this.state.disabled = state !== "held";
+    this.again.hidden = state !== "held";
   }
 
   /** The plot in words. */
@@ -336,7 +339,7 @@ function spectrumStyles(card) {
   const names = [["decibels", "dB", "Amplitude in decibels"], ["logarithmic", "log f", "Frequency by decades"]];
   return names.map(([value, text, title]) => {
     const onclick = () => card.restyle(value);
-    return element("button", { type: "button", class: "scope-tool scope-word", value, text, title, "aria-label": title, onclick });
+    return element("button", { type: "button", class: "scope-tool scope-word", value, text, title, onclick });
   });
 }
 

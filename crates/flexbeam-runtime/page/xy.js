@@ -118,6 +118,6 @@ export class XyChart extends Chart {
     if (!this.axes || this.signals.length < 2 || this.store.count === 0) return null;
     const text = ({ key, factor, unit }) => quantity(this.store.valueAt(this.store.channels.get(key), this.stretch[1] - 1) * factor, readingDecimals(unit), unit);
     const rows = this.shown(hidden).map((signal) => ({ cells: [signal.label, text(this.signals[0]), text(signal)], colour: colourOf(signal.key) }));
-    return { head: ["", `x: ${this.signals[0].label}`, "y"], rows, note: "" };
+    return { head: ["Signal", `x: ${this.signals[0].label}`, "y"], rows, note: "" };
   }
 }
