@@ -32,13 +32,11 @@ def a_run_is_started_changed_and_stopped(program, browser):
     viewer.shows("Reference in °", 30.0, 0.005)
     viewer.shows("Tip angle in °", 30.0, 3.0)
     viewer.until("a trace of the tip", lambda: viewer.inked("Tip angle", "psi_rad") > 100)
-    dragged = viewer.drag(AMPLITUDE, 0.8)
+    dragged = viewer.drag(AMPLITUDE, 0.6)
     assert dragged > 31
     viewer.follows(dragged)
     viewer.slider(AMPLITUDE).focus()
-    for _ in range(4):
-        viewer.page.keyboard.press("ArrowLeft")
-    stepped = viewer.reading(AMPLITUDE)
+    stepped = viewer.step(AMPLITUDE, "ArrowLeft", 4)
     assert stepped < dragged
     viewer.follows(stepped)
     law = viewer.page.get_by_role("group", name="Law").get_by_role("radio", name="None")
@@ -126,9 +124,7 @@ def the_keyboard_alone_starts_changes_and_stops(program, browser):
     viewer.reads("Running")
     viewer.tab_to(AMPLITUDE)
     viewer.shot("keyboard_slider")
-    for _ in range(5):
-        viewer.page.keyboard.press("ArrowRight")
-    stepped = viewer.reading(AMPLITUDE)
+    stepped = viewer.step(AMPLITUDE, "ArrowRight", 5)
     assert stepped > 30.0
     viewer.follows(stepped)
     viewer.tab_to("Stop", backwards=True)

@@ -101,12 +101,23 @@ class Viewer:
         slider = self.slider(name)
         slider.scroll_into_view_if_needed()
         low, high, now = (float(slider.evaluate(f"one => one.{end}")) for end in ["min", "max", "value"])
+        # Moves of the mouse are handled with the next frame; `change` comes after the last of them.
+        slider.evaluate("one => { one.let_go = new Promise(done => one.addEventListener('change', done, {once: true})); }")
         box, mouse = slider.bounding_box(), self.page.mouse
         at = lambda share: (box["x"] + 8 + share * (box["width"] - 16), box["y"] + box["height"] / 2)
         mouse.move(*at((now - low) / (high - low)))
         mouse.down()
         mouse.move(*at(share), steps=12)
         mouse.up()
+        slider.evaluate("one => one.let_go.then(() => 0)")
+        return self.reading(name)
+
+    def step(self, name, key, times):
+        """Presses a key on the slider that has the focus, and sees each one act. Returns the value shown."""
+        for _ in range(times):
+            before = self.reading(name)
+            self.page.keyboard.press(key)
+            self.until(f"{key} acts on {name}", lambda: self.reading(name) != before)
         return self.reading(name)
 
     def tab_to(self, name, backwards=False):
