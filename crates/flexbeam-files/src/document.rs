@@ -1,7 +1,7 @@
 //! TOML documents with a schema: reading with places, writing what reads back.
 
 use crate::emit::toml_text;
-use crate::error::{Error, Tried};
+use crate::error::{Error, Place, Tried};
 use crate::fault::Fault;
 use crate::misfit::{Misfit, Step};
 use crate::provenance::Provenance;
@@ -86,7 +86,8 @@ pub trait Document: Serialize + DeserializeOwned {
     }
 }
 
-fn parse<T: Document>(text: &str, source: &Path, tried: Tried) -> Result<T, Error> {
+/// As [`Document::parse`], for a message that says what was tried.
+pub(crate) fn parse<T: Document>(text: &str, source: &Path, tried: Tried) -> Result<T, Error> {
     let fault = |fault| Error::new(tried, source, fault);
     let mut table = parse_table(text, source, tried)?;
     match table.remove(SCHEMA_KEY) {
@@ -136,6 +137,20 @@ fn located(root: &DeValue<'_>, path: &[Step]) -> Option<usize> {
         value = next.as_ref();
     }
     offset
+}
+
+/// Where the value under these keys stands in a document on disk; the file alone where it cannot be found.
+///
+/// ```
+/// use flexbeam_files::place_of;
+/// let folder = tempfile::tempdir()?;
+/// let file = folder.path().join("flexbeam.toml");
+/// std::fs::write(&file, "[run]\nport = \"nowhere\"\n")?;
+/// assert!(place_of(&file, &["run", "port"]).to_string().ends_with("flexbeam.toml:2:8"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
+pub fn place_of(source: &Path, keys: &[&str]) -> Place {
+    fault_under(source, keys, Fault::Empty).place
 }
 
 /// A fault of the value under these keys of a document on disk, with its place while it can be found.

@@ -76,8 +76,8 @@ fn key(name: &str) -> String {
     if !name.is_empty() && name.chars().all(bare) { name.into() } else { quoted(name) }
 }
 
-/// A TOML basic string: JSON's escapes are TOML's, but JSON leaves DEL alone and TOML does not allow it.
-fn quoted(text: &str) -> String {
+/// A TOML basic string, with its quotes: JSON's escapes are TOML's, but JSON leaves DEL alone and TOML does not allow it.
+pub fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007F")
 }
 

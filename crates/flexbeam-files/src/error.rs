@@ -29,6 +29,8 @@ pub enum Tried {
     Select,
     /// To write a file.
     Write,
+    /// To save into a file that a person may have edited meanwhile.
+    Save,
 }
 
 /// A file, and a line and column in it where they are known.
@@ -90,6 +92,7 @@ impl fmt::Display for Tried {
             Tried::Read => "read",
             Tried::Select => "take columns from",
             Tried::Write => "write",
+            Tried::Save => "save into",
         })
     }
 }
@@ -107,7 +110,8 @@ impl fmt::Display for Place {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "cannot {} {}: found {}, needed {}", self.tried, self.place, self.found(), self.needed())?;
-        write!(f, "\nhint: {}", self.hint())
+        write!(f, "\nhint: {}", self.hint())?;
+        if self.tried == Tried::Save { write!(f, "; nothing was written") } else { Ok(()) }
     }
 }
 

@@ -11,6 +11,7 @@ mod columns;
 mod controller;
 mod csv;
 mod document;
+mod edit;
 mod emit;
 mod error;
 mod extended;
@@ -23,6 +24,7 @@ mod misfit;
 mod model;
 mod note;
 mod project;
+mod project_file;
 mod provenance;
 mod recording;
 mod results;
@@ -42,7 +44,8 @@ pub use certificate::{Certificate, LoopFigures};
 pub use columns::{ColumnName, nearest};
 pub use controller::{Controller, Design};
 pub use csv::{LEFT_OUT, csv_text};
-pub use document::{Document, schema_of};
+pub use document::{Document, place_of, schema_of};
+pub use emit::quoted as toml_string;
 pub use error::{Error, Place, Tried};
 pub use extended::Extended;
 pub use fault::Fault;
@@ -53,10 +56,11 @@ pub use misfit::Misfit;
 pub use model::{Axis, Identification, Model, Physical, Uncertainty, Validation};
 pub use note::Note;
 pub use project::{Project, ProjectLimits, ProjectReference, ProjectRun};
+pub use project_file::ProjectFile;
 pub use provenance::{Parent, Provenance, State, Step, trace};
 pub use recording::{FEWEST_ROWS, Layout, PERIOD_TOLERANCE, Recording, STEP_TOLERANCE, write_signals};
 pub use results::{
-    ColumnSummary, DesignResult, DistributedBeam, ExportResult, Figure, IdentifyResult, MonteCarlo,
+    ColumnSummary, DesignResult, DistributedBeam, ExportResult, Figure, IdentifyResult, MonteCarlo, NewResult,
     RationalCoefficients, RecordResult, RecordingSummary, ReferenceModel, RigTestResult, SampledRadius, ShowResult,
     SimulateResult, SolvabilityResult, Spread, VerifyResult, json_text,
 };

@@ -68,6 +68,10 @@ pub struct ProjectRun {
     pub duration_s: Option<f64>,
     /// Seed of the simulated rig's sensor noise.
     pub seed: Option<u64>,
+    /// Address of the scope, as `--scope` says it.
+    pub scope: Option<String>,
+    /// File with the scope's token.
+    pub scope_token_file: Option<PathBuf>,
 }
 
 /// The table `reference`.
@@ -132,6 +136,7 @@ impl Project {
             recording: join(project.recording),
             model: join(project.model),
             controller: join(project.controller),
+            run: ProjectRun { scope_token_file: join(project.run.scope_token_file), ..project.run },
             reference: ProjectReference { file: join(project.reference.file), ..project.reference },
             ..project
         })

@@ -178,7 +178,7 @@ impl Origin {
 }
 
 /// `path` as seen from the folder of `child`, with `/`; absolute when the two have nothing in common.
-fn relative(path: &Path, child: &Path) -> String {
+pub(crate) fn relative(path: &Path, child: &Path) -> String {
     let (path, child) = (plain(path), plain(child));
     let folder = child.parent().unwrap_or(Path::new(""));
     let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();

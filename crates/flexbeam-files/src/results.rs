@@ -15,6 +15,17 @@ pub fn json_text<T: Serialize>(answer: &T) -> String {
     serde_json::to_string(answer).expect("answers have string keys only")
 }
 
+/// `flexbeam new`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NewResult {
+    /// The project's folder.
+    pub folder: String,
+    /// What it is called.
+    pub name: String,
+    /// Files in it.
+    pub files: Vec<String>,
+}
+
 /// `flexbeam identify`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct IdentifyResult {

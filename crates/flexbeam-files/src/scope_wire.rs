@@ -247,6 +247,8 @@ pub struct Knob {
 pub struct CertificateSummary {
     /// Whether every figure was found again before the run.
     pub holds: bool,
+    /// Why the run goes on all the same, where it does not hold; else empty.
+    pub note: String,
     /// The figures.
     pub figures: Vec<CertificateFigure>,
 }

@@ -120,6 +120,40 @@ fn a_tenth() -> f64 {
 }
 
 impl Screen {
+    /// What is shown where nobody says otherwise.
+    pub fn usual() -> Screen {
+        let scope = |title: &str, signals: &[&str]| Scope {
+            title: title.into(),
+            kind: ScopeKind::Time,
+            signals: signals.iter().map(|signal| (*signal).into()).collect(),
+            span_s: ten_seconds(),
+            range: None,
+            trigger: None,
+        };
+        let panel = |title: &str, settings: &[&str]| Panel {
+            title: title.into(),
+            settings: settings.iter().map(|key| (*key).into()).collect(),
+            ranges: BTreeMap::new(),
+        };
+        let reference = ["shape", "amplitude_rad", "offset_rad", "period_s"].map(|key| format!("reference.{key}"));
+        let reference: Vec<&str> = reference.iter().map(String::as_str).chain(["smooth_ticks"]).collect();
+        Screen {
+            scopes: vec![
+                scope("Tip angle", &["reference_rad", "psi_rad", "y_model_rad"]),
+                scope("Voltage", &["voltage_v", "u_v"]),
+                scope("Deflection", &["alpha_rad"]),
+            ],
+            panels: vec![
+                panel("Reference", &reference),
+                panel("Law", &["law", "u_p_plus_v", "u_p_minus_v", "eps_u_v", "eps_e_rad"]),
+                panel(
+                    "Limits",
+                    &["voltage_limit_v", "deflection_limit_rad", "theta_limit_rad", "theta_step_limit_rad"],
+                ),
+            ],
+        }
+    }
+
     /// Errors: [`Fault::Choice`](crate::Fault::Choice) for a signal or a setting that is gone,
     /// [`Fault::UnknownKey`](crate::Fault::UnknownKey), [`Fault::Range`](crate::Fault::Range).
     pub fn check(&self) -> Result<(), Misfit> {

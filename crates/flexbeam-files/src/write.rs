@@ -54,6 +54,31 @@ pub fn write_bytes(path: &Path, bytes: &[u8], overwrite: Overwrite) -> Result<Wr
     Ok(outcome)
 }
 
+/// Replaces a file's bytes, as [`write_bytes`] does; the file keeps its permissions, and a link to it stays one.
+///
+/// Errors: [`Fault::NoFile`]; [`Fault::Io`], for a file that may only be read, too. Then the old file stands as it was.
+pub(crate) fn replace_bytes(path: &Path, bytes: &[u8]) -> Result<Written, Error> {
+    let refused = |error: io::Error| refused(Tried::Save, path, &error);
+    let path = fs::canonicalize(path).map_err(refused)?;
+    if fs::read(&path).map_err(refused)? == bytes {
+        return Ok(Written::Unchanged);
+    }
+    let permissions = fs::metadata(&path).map_err(refused)?.permissions();
+    if permissions.readonly() {
+        return Err(refused(io::ErrorKind::PermissionDenied.into()));
+    }
+    let mut beside = tempfile::Builder::new().prefix(".flexbeam-").tempfile_in(folder_of(&path)).map_err(refused)?;
+    beside.write_all(bytes).map_err(refused)?;
+    beside.as_file().set_permissions(permissions).map_err(refused)?;
+    beside.as_file().sync_all().map_err(refused)?;
+    beside.persist(&path).map_err(|error| refused(error.error))?;
+    Ok(Written::Replaced)
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
 /// Whether a recording, or a file of no kind of flexbeam's, could be written to `path`: ask before an hour of computing.
 /// For documents there is [`Document::check_free`](crate::Document::check_free).
 ///
@@ -164,11 +189,10 @@ fn standing(path: &Path) -> Result<Option<Vec<u8>>, Error> {
 }
 
 fn beside_then_rename(path: &Path, bytes: &[u8], overwrite: Overwrite) -> io::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask, as for any new file
-    let mut beside = builder.prefix(".flexbeam-").tempfile_in(folder)?;
+    let mut beside = builder.prefix(".flexbeam-").tempfile_in(folder_of(path))?;
     beside.write_all(bytes)?;
     beside.as_file().sync_all()?;
     match overwrite {
@@ -258,6 +282,28 @@ mod tests {
         let error = write_bytes(&folder.path().join("no/such/model.toml"), b"x", Overwrite::Allow).unwrap_err();
         assert_eq!(*error.fault, Fault::NoFolder);
         assert_eq!(names(folder.path()), [] as [&str; 0]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_replaced_file_keeps_its_permissions_and_its_links() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        assert_eq!(*replace_bytes(&file, b"x").unwrap_err().fault, Fault::NoFile);
+        fs::write(&file, b"one").unwrap();
+        std::os::unix::fs::symlink("file", &link).unwrap();
+        let mode = |mode| fs::set_permissions(&file, fs::Permissions::from_mode(mode)).unwrap();
+        mode(0o640);
+        assert_eq!(replace_bytes(&link, b"two").unwrap(), Written::Replaced);
+        assert_eq!(replace_bytes(&link, b"two").unwrap(), Written::Unchanged);
+        assert_eq!((fs::read(&file).unwrap(), fs::read_link(&link).is_ok()), (b"two".to_vec(), true));
+        assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
+        mode(0o440);
+        let refused = replace_bytes(&file, b"three").unwrap_err();
+        assert_eq!(*refused.fault, Fault::Io { kind: io::ErrorKind::PermissionDenied });
+        assert_eq!(fs::read(&file).unwrap(), b"two");
+        assert_eq!(names(folder.path()).len(), 2, "no half-written file stays behind");
     }
 
     #[cfg(unix)]

@@ -39,3 +39,9 @@ export function frameOf(rows, lost = 0) {
     columns: rows[0].slice(1).map((_, c) => Float32Array.from(rows, (row) => row[c + 1])),
   };
 }
+
+/** Waits until the page has laid out a card. */
+export async function laidOut(card) {
+  for (let k = 0; k < 500 && card.size.width === 0; k += 1) await new Promise((done) => setTimeout(done, 10));
+  check(card.size.width > 0, "the card was not laid out within 5 s");
+}

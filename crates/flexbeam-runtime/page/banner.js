@@ -15,7 +15,7 @@ export class Banner {
       element("p", { role: "alert" }, this.title, " ", this.words), this.since,
       this.again);
     this.text = element("p", { role: "alert" });
-    this.notice = element("div", { class: "banner notice", hidden: true }, this.text, iconButton("Dismiss", PATHS.cross, () => { this.notice.hidden = true; }));
+    this.notice = element("div", { class: "banner notice", hidden: true }, this.text, iconButton("Dismiss", PATHS.cross, () => this.clear()));
     root.append(this.link, this.notice);
   }
 
@@ -23,6 +23,11 @@ export class Banner {
   tell(text) {
     this.notice.hidden = false;
     write(this.text, text);
+  }
+
+  /** Nothing is left to be told. */
+  clear() {
+    this.notice.hidden = true;
   }
 
   /** Shows the link; called as well twice a second, because the next attempt comes nearer. */

@@ -4,7 +4,7 @@
 import { quantity, marks } from "./chart_ticks.js";
 
 /** One text face for page, picture and SVG: named, never embedded. */
-export const FACE = '"Inter", "Segoe UI", system-ui, "Helvetica Neue", "DejaVu Sans", sans-serif';
+const FACE = '"Inter", "Segoe UI", system-ui, "Helvetica Neue", "DejaVu Sans", sans-serif';
 
 /** Sizes in CSS pixels. */
 const TEXT = 11.5;

@@ -193,9 +193,9 @@ export class Gestures {
   }
 
   key(event) {
-    if (event.target !== this.element || event.ctrlKey || event.metaKey || event.altKey || !this.host.chart.axes) return;
-    if (!this.arrow(event) && !this.zoomKey(event) && !this.host.key(event.key)) return;
-    event.preventDefault();
+    if (event.target !== this.element || event.ctrlKey || event.metaKey || event.altKey) return;
+    const moved = this.host.chart.axes && (this.arrow(event) || this.zoomKey(event));
+    if (moved || this.host.key(event.key)) event.preventDefault();
   }
 
   arrow({ key, shiftKey }) {

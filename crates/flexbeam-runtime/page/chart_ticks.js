@@ -3,6 +3,8 @@
 
 const THIN = "\u2009";
 const MINUS = "\u2212";
+/** Marks of an axis at most. */
+const MOST = 12;
 
 /**
  * Least step of 1, 2, 5 times a power of ten that is not below `least`.
@@ -24,16 +26,22 @@ export function decimalsOf(step) {
 
 /**
  * Marks within [low, high].
- * @param {number} wanted how many at most
+ * @param {number} wanted how many at most, but two or more
  * @returns {{step: number, decimals: number, at: number[]}}
  */
 export function marks(low, high, wanted) {
   const step = stepAbove((high - low) / Math.max(1, wanted));
+  const at = multiples(low, high, step);
+  // One mark alone tells no scale.
+  return at.length < 2 && wanted < MOST ? marks(low, high, wanted + 1) : { step, decimals: decimalsOf(step), at };
+}
+
+function multiples(low, high, step) {
   const at = [];
   // NUMERICS: multiples of the step, so that no rounding adds up; the ends count although they are rounded.
   const last = Math.floor(high / step + 1e-6);
   for (let k = Math.ceil(low / step - 1e-6); k <= last; k += 1) at.push(k === 0 ? 0 : k * step);
-  return { step, decimals: decimalsOf(step), at };
+  return at;
 }
 
 /** Marks of a logarithmic axis, 1-2-5 in each decade, or the decades alone when there are many. */

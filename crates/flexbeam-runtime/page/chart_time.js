@@ -12,10 +12,14 @@ import { colourOf, dashed, paper } from "./colours.js";
 import { between, Cursors, readings, valueAt } from "./cursors.js";
 import { Trigger } from "./trigger.js";
 
+/** How faint the sweep before is. */
+const FAINT = 0.28;
 /** Columns before the newest sample that its line may still change. */
 const UNSETTLED = 4;
 /** A trigger ignores crossings that come back within this share of the axis. */
 const NOISE = 0.01;
+/** Longer than this, minutes are counted [s]. */
+const LONG_S = 240;
 /** Least that the time axis shows [ticks]. */
 const LEAST = 4;
 
@@ -24,6 +28,9 @@ export class TimeChart extends Chart {
     super(of);
     this.cursors = new Cursors();
     this.layer = new TraceLayer();
+    /** The sweep before, faint until the new one has come so far: its anchor and its picture. */
+    this.before = NaN;
+    this.ghost = new TraceLayer();
     this.trigger = this.scope.trigger ? new Trigger(this.scope.trigger) : null;
     this.rolls = !this.trigger;
     this.anchor = NaN;
@@ -34,7 +41,6 @@ export class TimeChart extends Chart {
 
   /** Stops at what is shown now, or goes on. */
   pause(yes) {
-    if (!yes) this.view.x = null;
     this.frozen = yes ? { anchor: this.anchor, rolls: this.rolls, last: this.store.last } : null;
   }
 
@@ -70,7 +76,7 @@ export class TimeChart extends Chart {
   }
 
   begin() {
-    if (this.epoch !== this.store.epoch) this.origin = NaN;
+    if (this.epoch !== this.store.epoch) this.origin = this.before = NaN;
     super.begin();
   }
 
@@ -84,8 +90,16 @@ export class TimeChart extends Chart {
     const rolls = !this.trigger || this.trigger.rolls(this.store.last, span);
     if (rolls !== this.rolls) this.view.x = null;
     if (rolls && !this.rolls) this.origin = NaN;
+    if (rolls || this.rolls) this.before = NaN;
+    else if (at !== this.anchor) this.swap();
     this.rolls = rolls;
     return rolls ? edge : at;
+  }
+
+  /** Another crossing: the sweep that was shown becomes the one before. */
+  swap() {
+    this.before = this.anchor;
+    [this.layer, this.ghost] = [this.ghost, this.layer];
   }
 
   /** Ends of the time axis from the anchor [ticks]. */
@@ -152,26 +166,45 @@ export class TimeChart extends Chart {
   drawTime(context, frame) {
     const shift = this.rolls ? this.anchor : 0;
     const ends = this.axes.x.map((ticks) => (ticks + shift) * this.store.period_s);
-    const small = !this.rolls && Math.max(...ends.map(Math.abs)) < 0.5;
-    const shown = small ? ends.map((end) => end * 1000) : ends;
-    this.drawPaper(context, frame, shown, Number.isFinite(shown[0]) ? labelsX(frame, shown, small ? "ms" : "s") : []);
+    const { unit, per_s } = timeUnit(ends, this.rolls);
+    const shown = ends.map((end) => end * per_s);
+    this.drawPaper(context, frame, shown, Number.isFinite(shown[0]) ? labelsX(frame, shown, unit) : []);
   }
 
   drawTraces(context, frame, hidden, vector) {
-    const { store, scale } = this;
-    const { first } = scale;
+    const { origin, width } = this.scale;
+    const newest = Math.floor((this.newest - origin) / width);
     const looks = this.looks(frame, hidden);
+    const ends = this.scale.first + frame.width;
+    if (!Number.isNaN(this.before) && newest + 1 < ends) this.drawGhost(context, frame, looks, newest + 1, vector);
+    this.drawSweep(context, frame, this.layer, { looks, origin, newest, stop: this.frozen ? newest + 1 : Infinity, vector });
+  }
+
+  /** The sweep before, in the columns that the new one has not reached. */
+  drawGhost(context, frame, looks, from, vector) {
+    const left = Math.max(0, from - this.scale.first);
+    context.save();
+    context.beginPath();
+    context.rect(frame.left + left, frame.top, frame.width - left, frame.height);
+    context.clip();
+    context.globalAlpha = FAINT;
+    this.drawSweep(context, frame, this.ghost, { looks, origin: this.before, newest: Infinity, stop: Infinity, vector });
+    context.restore();
+  }
+
+  /** Traces around an origin: columns up to `stop`, those up to `newest` settled. */
+  drawSweep(context, frame, layer, { looks, origin, newest, stop, vector }) {
+    const { store } = this;
+    const { width, first } = this.scale;
     const stroke = STROKE * frame.unit;
-    const stop = this.frozen ? Math.floor((this.frozen.last - scale.origin) / scale.width) + 1 : Infinity;
     const draw = (target, a, b, x) => {
       const last = Math.min(b + 2, stop);
-      if (last > a - 2) drawColumns(target, store, scale, looks, stroke, a - 2, last, x);
+      if (last > a - 2) drawColumns(target, store, { origin, width }, looks, stroke, a - 2, last, x);
     };
     if (vector) return clipped(context, frame, () => draw(context, first, first + frame.width, (k) => k - first));
-    const settled = Math.floor((store.last - scale.origin) / scale.width) - UNSETTLED;
-    const key = JSON.stringify([scale.origin, scale.width, this.axes.y, looks, store.epoch, stroke, frame.height, stop]);
-    this.layer.update(key, first, settled, frame.width, frame.height, draw);
-    return this.layer.show(context, frame.left, frame.top);
+    const key = JSON.stringify([origin, width, this.axes.y, looks, store.epoch, stroke, stop]);
+    layer.update(key, first, newest - UNSETTLED, frame.width, frame.height, draw);
+    return layer.show(context, frame.left, frame.top);
   }
 
   /** Where the trigger's level stands [pixel], or NaN. */
@@ -246,9 +279,15 @@ export class TimeChart extends Chart {
       return { cells: [label, text(reading.a), text(reading.b), text(reading.difference)], colour: colourOf(key) };
     });
     return {
-      head: ["", "A", "B", "B \u2212 A"],
+      head: ["Signal", "A", "B", "B \u2212 A"],
       rows: [{ cells: ["Time", time(a), time(b), seconds(time_s, 4)], colour: null }, ...rows],
       note: Number.isFinite(frequency_hz) ? `1/\u0394t = ${quantity(frequency_hz, 3, "Hz")}` : "",
     };
   }
+}
+
+/** Unit of the time axis: milliseconds around a crossing, minutes when there are many. */
+function timeUnit([begin, end], rolls) {
+  if (!rolls && Math.max(-begin, end) < 0.5) return { unit: "ms", per_s: 1000 };
+  return end - begin > LONG_S ? { unit: "min", per_s: 1 / 60 } : { unit: "s", per_s: 1 };
 }

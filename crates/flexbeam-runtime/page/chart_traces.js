@@ -12,6 +12,8 @@ const BATCH = 128;
 /** A column that is lower than this is a point [pixels]; one that is higher than this is an upright edge. */
 const FLAT = 0.6;
 const EDGE = 24;
+/** A step between columns that is higher than this is drawn whatever the dashes say [pixels]. */
+const JUMP = 4;
 /** How far a point may lie from the line that leaves it out [pixels]. */
 const CLOSE = 0.12;
 /** Dashes: this many strokes' widths on and off. */
@@ -132,7 +134,7 @@ function drawDense(context, store, scale, look, columns, a, x, on) {
   const { channel, y } = look;
   const ends = [NaN, NaN];
   const rawFirst = store.rawFirst;
-  let previous = -1;
+  let before = null;
   for (let k = 0; k < columns.from.length; k += 1) {
     const from = columns.from[k];
     const to = columns.to[k];
@@ -140,14 +142,18 @@ function drawDense(context, store, scale, look, columns, a, x, on) {
     store.extremes(channel, from, to, ends);
     if (Number.isNaN(ends[0])) {
       pen.lift();
+      before = null;
       continue;
     }
-    if (from > previous && store.gapBefore(from)) pen.lift();
-    previous = from;
+    if (before && from > before.from && store.gapBefore(from)) {
+      pen.lift();
+      before = null;
+    }
     const left = x(a + k);
     const known = from >= rawFirst;
     const middle = y((ends[0] + ends[1]) / 2);
-    drawColumn(pen, {
+    const column = {
+      from,
       x: left + 0.5,
       bottom: y(ends[0]),
       top: y(ends[1]),
@@ -156,13 +162,22 @@ function drawDense(context, store, scale, look, columns, a, x, on) {
       x_first: known ? x((store.tickAt(from) - scale.origin) / scale.width) : left + 0.5,
       x_last: known ? x((store.tickAt(to - 1) - scale.origin) / scale.width) : left + 0.5,
       down: !on || on(a + k),
-    });
+    };
+    if (on && before && Math.abs(column.first - before.last) > JUMP) drawJump(pen, before, column);
+    drawColumn(pen, column, before);
+    before = column;
   }
   pen.finish();
 }
 
+/** A step between two columns: no dash leaves it out. */
+function drawJump(pen, before, column) {
+  if (Number.isNaN(pen.x)) pen.to(before.x_last, before.last);
+  pen.to(column.x_first, column.first);
+}
+
 /** Through a column: its extremes in its middle, its first and last sample where they are. */
-function drawColumn(pen, { x, bottom, top, first, last, x_first, x_last, down }) {
+function drawColumn(pen, { x, bottom, top, first, last, x_first, x_last, down }, before) {
   const height = Math.abs(top - bottom);
   if (height < FLAT && !down) return pen.lift();
   const alone = Number.isNaN(pen.x);
@@ -177,6 +192,13 @@ function drawColumn(pen, { x, bottom, top, first, last, x_first, x_last, down })
   if (height < FLAT && !Number.isNaN(last)) {
     pen.to(x, alone ? first : (top + bottom) / 2);
     return alone ? pen.dot() : undefined;
+  }
+  // Columns that overlap cover where the line goes from one to the other: an upright stroke each is the same picture.
+  if (!alone && before && before.top <= bottom && top <= before.bottom) {
+    const fromTop = Math.abs(pen.y - top) < Math.abs(pen.y - bottom);
+    pen.to(x, fromTop ? top : bottom);
+    pen.to(x, fromTop ? bottom : top);
+    return Number.isNaN(last) ? pen.lift() : undefined;
   }
   if (!Number.isNaN(first)) pen.to(monotone ? x : x_first, first);
   // The extreme that is further from the last sample comes first: fewer strokes over one another.

@@ -38,6 +38,8 @@ export class Connection {
     Object.assign(this, about);
     this.pending = new Map();
     this.id = 0;
+    /** Whether the greeting that came last was the first of its connection: then everything is told anew. */
+    this.isNew = true;
     this.attempts = 0;
     this.link = { stage: "connecting", why: "", since_ms: performance.now(), retry_ms: null };
     this.checked_ms = performance.now();
@@ -81,6 +83,7 @@ export class Connection {
     socket.onclose = ({ code }) => this.#closed(code);
     this.socket = socket;
     this.over = false;
+    this.hasHello = false;
     this.heard_ms = performance.now();
     this.link.retry_ms = null;
   }
@@ -98,7 +101,11 @@ export class Connection {
       return;
     }
     if (message.type === "over") this.over = true;
-    if (message.type === "hello") this.#become("open", "", null);
+    if (message.type === "hello") {
+      this.isNew = !this.hasHello;
+      this.hasHello = true;
+      this.#become("open", "", null);
+    }
     if (message.type === "state") this.attempts = 0;
     this.onmessage(message);
   }

@@ -3,6 +3,10 @@
 import { element, write } from "./element.js";
 import { runTime } from "./number.js";
 
+/** Events that are kept; the recording has all of them. */
+const MOST = 500;
+/** For so long after a greeting events are those of the past, which nobody wants read aloud [ms]. */
+const PAST_MS = 1000;
 const MARKS = { armed: "○", started: "●", stopped: "■", fault: "▲", warning: "!", override: "✎", control: "✎", lost: "…" };
 
 export class Events {
@@ -13,10 +17,10 @@ export class Events {
     root.replaceChildren(element("h2", { text: "Events" }), this.list);
   }
 
-  /** All are told again after each greeting. */
+  /** All of them are told again by every connection. */
   clear() {
     this.list.replaceChildren();
-    this.quiet_until_ms = performance.now() + 1000;
+    this.quiet_until_ms = performance.now() + PAST_MS;
   }
 
   /** Adds one. */
@@ -26,7 +30,7 @@ export class Events {
       element("span", { class: "mark", "aria-hidden": "true", text: MARKS[kind] ?? "·" }),
       element("time", { text: runTime(time_s) }),
       element("p", {}, first, ...rest.map((line) => element("small", { text: line })))));
-    while (this.list.children.length > 500) this.list.lastChild.remove();
+    while (this.list.children.length > MOST) this.list.lastChild.remove();
     if (performance.now() > this.quiet_until_ms) write(this.announcer, text);
   }
 }

@@ -7,7 +7,7 @@ const KEYS = [
   ["Run", [["Ctrl", "."], "Emergency stop, from anywhere"], [["Esc", "Esc"], "Emergency stop: twice within 0.6 s"]],
   ["Page", [["?"], "This sheet"], [["P"], "Pause all scopes, or let them go on"], [["Tab"], "Next control"], [["Esc"], "Close a sheet, give up an entry"]],
   ["Setting", [["←", "→"], "One step"], [["Shift", "←", "→"], "A tenth of a step"], [["Page ↑", "Page ↓"], "Ten steps"], [["Enter"], "Take what is typed"]],
-  ["Scope, when it has the focus", [["←", "→"], "Earlier, later"], [["+", "−"], "Zoom"], [["Space"], "Pause"], [["C"], "Cursors"]],
+  ["Scope, when it has the focus", [["←", "→"], "Earlier, later"], [["+", "−"], "Zoom"], [["Space"], "Pause"], [["C"], "Cursors"], [["T"], "Trigger"], [["Z"], "Zoom back"]],
 ];
 
 /** Opens the sheet. */

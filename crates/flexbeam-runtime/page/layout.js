@@ -2,6 +2,7 @@
 // places, and the screen as it stands now.
 
 import { PATHS, attribute, element, iconButton, write } from "./element.js";
+import { keep, kept } from "./identity.js";
 import { Panel } from "./panel.js";
 import { editPanel } from "./panel_sheet.js";
 import { ScopeCard } from "./scope_card.js";
@@ -18,15 +19,21 @@ export class Layout {
   constructor(about) {
     Object.assign(this, about);
     const { project, controller } = this.hello.run;
-    this.kept = `flexbeam.screen:${project ?? controller}`;
+    this.place = `screen:${project ?? controller}`;
     this.saved = this.hello.screen;
-    this.saved_revision = 0;
-    const own = sessionStorage.getItem(this.kept);
+    this.saved_revision = this.#savedRevision();
+    const own = kept(this.place);
     this.cards = element("div", { class: "cards" });
     this.column = element("div", { class: "column" });
     this.scopes.replaceChildren(this.#bar(), this.cards);
     this.panels.replaceChildren(this.column, element("div", { class: "add" }, element("button", { type: "button", class: "quiet", text: "Add panel", onclick: () => this.#addPanel() })));
     this.#lay(own ? JSON.parse(own) : this.saved);
+  }
+
+  /** Revision of the settings that this tab saved last in this run; a run begins with those of its project. */
+  #savedRevision() {
+    const [start, revision] = JSON.parse(kept("saved") ?? "[]");
+    return start === this.hello.run.start_unix_ns ? revision : 0;
   }
 
   #bar() {
@@ -79,8 +86,7 @@ export class Layout {
   }
 
   #changed() {
-    if (this.isChanged) sessionStorage.setItem(this.kept, JSON.stringify(this.screen));
-    else sessionStorage.removeItem(this.kept);
+    keep(this.place, this.isChanged ? JSON.stringify(this.screen) : null);
     this.#showSaved();
   }
 
@@ -130,7 +136,7 @@ export class Layout {
   }
 
   #revert() {
-    sessionStorage.removeItem(this.kept);
+    keep(this.place, null);
     this.#lay(this.saved);
   }
 
@@ -141,6 +147,7 @@ export class Layout {
     if (!reply.ok) return this.tell(`Save to project: ${reply.error}`);
     this.saved = screen;
     this.saved_revision = revision;
+    keep("saved", JSON.stringify([this.hello.run.start_unix_ns, revision]));
     this.#changed();
   }
 
@@ -206,7 +213,7 @@ export class Layout {
 function canonical(value) {
   return JSON.stringify(value, (_, one) => {
     if (one === null || typeof one !== "object" || Array.isArray(one)) return one;
-    const kept = Object.keys(one).filter((key) => one[key] !== undefined && one[key] !== null).sort();
-    return Object.fromEntries(kept.map((key) => [key, one[key]]));
+    const present = Object.keys(one).filter((key) => one[key] !== undefined && one[key] !== null).sort();
+    return Object.fromEntries(present.map((key) => [key, one[key]]));
   });
 }

@@ -33,7 +33,7 @@ const tell = (text) => banner.tell(text);
 const request = (message) => connection.request(message);
 const theme = new Theme(() => refresh());
 const top = new TopBar({ root: place("top"), act: (what) => request({ type: "do", request: { do: what } }), tell, theme, help });
-const viewers = new Viewers({ control: place("control"), list: facts.here, sheets: place("sheets"), request, tell, rename, token: enterToken });
+const viewers = new Viewers({ control: place("control"), list: facts.here, sheets: place("sheets"), announcer: place("announcer"), request, tell, rename, token: enterToken });
 const events = new Events({ root: facts.events, announcer: place("announcer") });
 place("facts").append(...Object.values(facts));
 const connection = new Connection({
@@ -48,8 +48,14 @@ function take(message) {
   if (message.type === "hello") greet(message);
   if (message.type === "event") events.add(message);
   if (message.type === "viewers") takeFreeSeat();
-  if (message.type === "over") openResult(message.result);
+  if (message.type === "over") end(message.result);
   update();
+}
+
+/** What was told about the run has no meaning any more; how it ended has. */
+function end(result) {
+  banner.clear();
+  openResult(result);
 }
 
 /** What the page has already, and of which run; the rest is sent again. */
@@ -71,7 +77,7 @@ function forget() {
 
 /** A first greeting builds the page; later ones of the same run only go on. */
 function greet(hello) {
-  events.clear();
+  if (connection.isNew) events.clear();
   if (shown !== null) return;
   const { signals, certificate, run } = hello;
   const store = new Store({ signals, period_s: run.period_s });

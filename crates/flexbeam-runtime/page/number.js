@@ -23,7 +23,7 @@ export function withUnit(text, unit) {
 export function brief(value) {
   if (!Number.isFinite(value)) return NOTHING;
   if (value === 0) return "0";
-  const size = Math.floor(Math.log10(Math.abs(value)));
+  const size = Math.floor(Math.log10(Math.abs(Number(value.toPrecision(3)))));
   if (size >= 6 || size < -4) return value.toExponential(2).replaceAll("-", MINUS);
   return fixed(value, Math.max(0, Math.min(6, 2 - size)));
 }

@@ -43,7 +43,7 @@ export class Panel {
       attribute(button, "title", label);
     });
     this.knobs = new Map(panel.settings.filter((key) => knobs.has(key)).map((key) => [key, this.#row(knobs.get(key))]));
-    const gone = panel.settings.filter((key) => !knobs.has(key)).map((key) => element("p", { class: "note gone", text: `${key}: not a setting of this run` }));
+    const gone = missing(panel, knobs).map((text) => element("p", { class: "note gone", text }));
     this.rows.replaceChildren(this.why, ...[...this.knobs.values()].map((row) => row.control.element), ...gone);
     if (this.state) this.update(this.state);
   }
@@ -81,4 +81,10 @@ export class Panel {
     this.rows.hidden = !isOpen;
     attribute(this.heading, "aria-expanded", String(isOpen));
   }
+}
+
+/** Settings that cannot be shown, in words; before the rig is armed there are none at all. */
+function missing(panel, knobs) {
+  if (knobs.size === 0) return ["Settings appear when the rig is armed."];
+  return panel.settings.filter((key) => !knobs.has(key)).map((key) => `${key}: not a setting of this run`);
 }

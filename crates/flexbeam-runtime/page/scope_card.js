@@ -61,7 +61,8 @@ export class ScopeCard {
     this.context = this.canvas.getContext("2d");
     this.plot = element("div", { class: "scope-plot", tabindex: 0, role: "group" }, this.canvas);
     this.title = element("input", { class: "scope-title", "aria-label": "Title of the scope", spellcheck: "false", value: config.title, onchange: () => this.rename() });
-    this.state = element("button", { type: "button", class: "scope-state", disabled: true, onclick: () => this.arm() });
+    this.state = element("span", { class: "scope-state" });
+    this.again = element("button", { type: "button", class: "scope-again", text: "Arm again", hidden: true, onclick: () => this.arm() });
     this.readings = new Readings();
     this.gone = element("p", { class: "scope-gone", hidden: true });
     const move = (by) => () => onmove(this, by);
@@ -77,7 +78,7 @@ export class ScopeCard {
     const shot = (kind) => () => this.snapshot(kind);
     const entries = [["Picture (PNG)", shot("png")], ["Drawing (SVG)", shot("svg")], ["Samples (CSV)", shot("csv")], ["Move up", move(-1)], ["Move down", move(1)], ["Remove", () => onremove(this)]];
     const bar = element("div", { class: "scope-tools", role: "toolbar" }, ...this.styles, ...Object.values(this.tools), settings, ...menu("More", entries));
-    this.head = element("header", { class: "scope-head" }, this.title, this.state, bar);
+    this.head = element("header", { class: "scope-head" }, this.title, this.state, this.again, bar);
     this.element = element("section", { class: "scope" }, this.head, this.gone, this.plot, this.readings.element);
     this.gestures = new Gestures(this.plot, this);
   }
@@ -90,7 +91,7 @@ export class ScopeCard {
     this.signals = signals.filter((signal) => axisOf(signals, signal) < 2);
     this.chart = new CHARTS[config.kind]({ store: this.store, scope: config, signals: this.signals });
     this.legend?.element.remove();
-    this.legend = new Legend(this.signals, this.hidden, () => this.changed());
+    this.legend = new Legend(this.chart.vertical, this.hidden, () => this.changed());
     this.head.after(this.legend.element);
     this.tell(gone, third);
     this.name();
@@ -120,6 +121,7 @@ export class ScopeCard {
   }
 
   name() {
+    this.canvas.setAttribute("aria-label", this.config.title);
     this.element.setAttribute("aria-label", `Scope: ${this.config.title}`);
     this.plot.setAttribute("aria-label", `Plot of ${this.config.title}. Arrows move, plus and minus zoom, space pauses, c shows cursors.`);
   }
@@ -270,9 +272,12 @@ export class ScopeCard {
 
   fitCanvas() {
     const unit = devicePixelRatio;
-    const [width, height] = [Math.round(this.size.width * unit), Math.round(this.size.height * unit)];
-    if (this.canvas.width !== width) this.canvas.width = width;
-    if (this.canvas.height !== height) this.canvas.height = height;
+    const [width, height] = [Math.floor(this.size.width * unit), Math.floor(this.size.height * unit)];
+    if (this.canvas.width !== width || this.canvas.height !== height) {
+      Object.assign(this.canvas, { width, height });
+      // Not stretched to a size that is no whole number of pixels: that would blur it.
+      Object.assign(this.canvas.style, { width: `${width / unit}px`, height: `${height / unit}px` });
+    }
     this.frame = frameOf(width, height, unit, this.chart.axisCount);
   }
 
@@ -293,20 +298,21 @@ export class ScopeCard {
     if (trigger) {
       state = this.chart.rolls ? "armed" : trigger.state;
       const at = Number.isNaN(trigger.at) ? "" : ` at ${seconds(trigger.at * this.store.period_s, 3)}`;
-      text = { armed: "Waiting for trigger", triggered: `Triggered${at}`, held: `Held${at}: arm again` }[state];
+      text = { armed: "Waiting for trigger", triggered: `Triggered${at}`, held: `Held${at}` }[state];
     }
     if (this.paused) [state, text] = ["paused", "Paused"];
     if (this.state.textContent === text && this.state.dataset.state === state) return;
     this.state.textContent = text;
     this.state.dataset.state = state;
-    this.state.disabled = state !== "held";
+    this.again.hidden = state !== "held";
   }
 
   /** The plot in words. */
   summary() {
-    const values = this.signals
-      .filter((signal) => !this.hidden.has(signal.key))
-      .map((signal, k) => `${signal.label} ${this.legend.values[k].textContent}`);
+    const values = this.legend.signals
+      .map((signal, k) => [signal, this.legend.values[k].textContent])
+      .filter(([signal]) => !this.hidden.has(signal.key))
+      .map(([signal, text]) => `${signal.label} ${text}`);
     return `${this.config.title}, ${spanText(this.config.span_s)}: ${values.join("; ")}`;
   }
 
@@ -333,7 +339,7 @@ function spectrumStyles(card) {
   const names = [["decibels", "dB", "Amplitude in decibels"], ["logarithmic", "log f", "Frequency by decades"]];
   return names.map(([value, text, title]) => {
     const onclick = () => card.restyle(value);
-    return element("button", { type: "button", class: "scope-tool scope-word", value, text, title, "aria-label": title, onclick });
+    return element("button", { type: "button", class: "scope-tool scope-word", value, text, title, onclick });
   });
 }
 

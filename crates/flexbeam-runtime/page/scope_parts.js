@@ -64,7 +64,7 @@ export function retool(button, name, label) {
  * @param {[string, () => void][]} entries
  */
 export function menu(label, entries) {
-  const list = element("div", { class: "scope-menu", role: "menu", "aria-label": label, popover: "auto" });
+  const list = element("div", { class: "scope-menu", role: "menu", popover: "auto" });
   const button = tool("more", label, () => list.togglePopover());
   button.setAttribute("aria-haspopup", "menu");
   for (const [text, action] of entries) {

@@ -26,6 +26,8 @@ export class Sheet {
       event.preventDefault();
       this.close();
     });
+    const below = document.getElementById("banner").getBoundingClientRect().bottom;
+    this.element.style.setProperty("--below", `${Math.round(below)}px`);
     document.getElementById("sheets").append(this.element);
     this.element.show();
   }

@@ -11,6 +11,8 @@ const REACH = 4;
 const KEPT = [1.001, 20];
 /** The least positive number: a knob that takes every number above zero has it as its low end. */
 const LEAST = 5e-324;
+/** And at least this many steps of the knob. */
+const STEPS = 100;
 /** Places at which a dragged slider stops, at least. */
 const PLACES = 200;
 
@@ -94,10 +96,10 @@ export class Slider {
 
   /** Ends of the slider: the panel's, the knob's, or where those are far, some way around the value: an end that is reached moves on. */
   #stretch(shown) {
-    const { factor, decimals } = this.knob;
+    const { factor, decimals, step } = this.knob;
     const [low, high] = this.ends ?? [this.knob.low, this.knob.high];
     const size = Number.isFinite(shown) ? Math.abs(shown) : 10 ** -decimals * PLACES * PLACES;
-    const around = roundUp(Math.max(size * REACH, 10 ** -decimals * PLACES));
+    const around = roundUp(Math.max(size * REACH, 10 ** -decimals * PLACES, step * factor * STEPS));
     const isFar = high === null || (this.ends === undefined && isFloor(low) && size > 0 && around * REACH < high * factor);
     const isKept = this.isFar && this.top >= size * KEPT[0] && this.top <= Math.max(size * KEPT[1], around);
     const top = !isFar ? high * factor : isKept ? this.top : around;

@@ -27,7 +27,7 @@ const SIDE = 14;
 /** Draws a sight; returns nothing. `unit`: pixels of a CSS pixel. */
 function draw(context, sight, unit, vector) {
   const { chart, hidden } = sight;
-  const signals = chart.signals.filter((signal) => !hidden.has(signal.key));
+  const signals = chart.shown(hidden);
   const size = sizeOf(sight);
   context.fillStyle = paper().card;
   context.fillRect(0, 0, size.width * unit, size.height * unit);
@@ -48,7 +48,7 @@ function draw(context, sight, unit, vector) {
 function sizeOf({ chart, hidden, width, height }) {
   const table = chart.table(hidden);
   const rows = table ? table.rows.length + 1 + (table.note ? 1 : 0) : 0;
-  const signals = chart.signals.filter((signal) => !hidden.has(signal.key));
+  const signals = chart.shown(hidden);
   const ruler = document.createElement("canvas").getContext("2d");
   const lines = 1 + legendOf(ruler, signals, width, 1).reduce((most, entry) => Math.max(most, entry.line), 0);
   return { width: Math.round(width), height: Math.round(HEAD + LEGEND * lines + height + rows * ROW + (rows > 0 ? 10 : 0)), lines };

@@ -228,7 +228,7 @@ export class SpectrumChart extends Chart {
     const over = this.decibels ? `; dB over ${units.join(", ")}` : "";
     const lacking = this.missing > 0 ? `; ${this.missing} missing ones interpolated` : "";
     const note = `${this.n} samples, Hann window, bins of ${quantity(this.bin_hz, 4, "Hz")}${over}${lacking}`;
-    return { head: ["", "Peak at", "Amplitude", ...heads], rows, note };
+    return { head: ["Signal", "Peak at", "Amplitude", ...heads], rows, note };
   }
 }
 

@@ -1,17 +1,19 @@
 // What the page knows of the run. Enters: messages and the link. Leaves: the present state, and in words what this viewer may do.
 
-/** Events that are kept; the recording has all of them. */
-const MOST_EVENTS = 500;
 /** Start of a run that is not armed yet. */
 const NOT_YET = "0";
 
 export class RunState {
   constructor() {
     this.link = { stage: "connecting", why: "", since_ms: performance.now(), retry_ms: null };
+    this.viewers = [];
+    this.in_control = null;
+    this.asking = null;
+    this.asking_until_ms = 0;
     this.begin();
   }
 
-  /** Forgets the run, for the next one. */
+  /** Forgets the run, for the next one; who is here is told anew only where it changed. */
   begin() {
     this.hello = null;
     this.knobs = new Map();
@@ -20,11 +22,6 @@ export class RunState {
     this.revision = 0;
     this.values = {};
     this.timing = null;
-    this.viewers = [];
-    this.in_control = null;
-    this.asking = null;
-    this.asking_until_ms = 0;
-    this.events = [];
     this.result = null;
   }
 
@@ -45,7 +42,6 @@ export class RunState {
 
   _hello(message) {
     this.hello = message;
-    this.events = [];
     this._knobs(message);
   }
 
@@ -57,13 +53,10 @@ export class RunState {
     Object.assign(this, { phase, time_s, revision, values, timing });
   }
 
-  _event(event) {
-    this.events.push(event);
-    if (this.events.length > MOST_EVENTS) this.events.shift();
-  }
-
   _viewers({ viewers, in_control, asking }) {
-    Object.assign(this, { viewers, in_control, asking });
+    this.viewers = toldApart(viewers);
+    this.in_control = in_control;
+    this.asking = asking && { ...asking, name: this.viewers.find((viewer) => viewer.id === asking.viewer)?.name ?? asking.name };
     if (asking) this.asking_until_ms = performance.now() + asking.seconds_left * 1000;
   }
 
@@ -119,6 +112,12 @@ export class RunState {
   get name() {
     return this.hello === null ? "flexbeam" : this.hello.run.project ?? this.hello.run.controller;
   }
+}
+
+/** Viewers of the same name get their number behind it. */
+function toldApart(viewers) {
+  const namesakes = (name) => viewers.filter((viewer) => viewer.name === name).length;
+  return viewers.map((viewer) => (namesakes(viewer.name) > 1 ? { ...viewer, name: `${viewer.name} ${viewer.id}`, given: viewer.name } : { ...viewer, given: viewer.name }));
 }
 
 function whyNoToken(hello) {

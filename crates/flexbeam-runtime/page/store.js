@@ -1,7 +1,7 @@
 // What the page remembers of a run: rings of fixed size with a pyramid of extremes above them.
 // Enters: frames of samples. Leaves: the least and the greatest value of any stretch of ticks, and raw samples.
 // Level 0: 2^17 raw samples (131 s at 1 kHz); level 1: extremes of 16 samples, 2^16 of them (17 min);
-// level 2: of 256 samples, 2^15 of them (2.3 h). Nothing grows: ten signals take 14 MB from the first sample on.
+// level 2: of 256 samples, 2^15 of them (2.3 h). Nothing grows: ten signals take 16 MB from the first sample on.
 // A stretch that raw samples still cover is answered exactly; an older one by whole blocks of 16 or 256 samples.
 
 /** [log2 of the entries, log2 of the samples of an entry]. */

@@ -5,7 +5,7 @@ import { keep } from "./identity.js";
 
 export class Viewers {
   /**
-   * @param {{control: HTMLElement, list: HTMLElement, sheets: HTMLElement, request: (message: Object) => Promise<Object>, tell: (text: string) => void,
+   * @param {{control: HTMLElement, list: HTMLElement, sheets: HTMLElement, announcer: HTMLElement, request: (message: Object) => Promise<Object>, tell: (text: string) => void,
    *   rename: (name: string) => void, token: (token: string) => void}} about
    */
   constructor(about) {
@@ -41,7 +41,7 @@ export class Viewers {
     const seconds = asking ? Math.max(0, Math.ceil((state.asking_until_ms - performance.now()) / 1000)) : 0;
     this.#showMe(state, seconds);
     this.#showAsking(state, seconds);
-    const name = viewers.find((viewer) => viewer.id === me)?.name;
+    const name = viewers.find((viewer) => viewer.id === me)?.given;
     if (name && document.activeElement !== this.name) this.name.value = name;
   }
 
@@ -62,7 +62,7 @@ export class Viewers {
     write(this.words, `${state.asking.name} asks for control.`);
     write(this.left, `Without an answer it passes over in ${seconds} s.`);
     this.share.style.setProperty("--share", seconds / 15);
-    if (appears) this.asked_id = state.asking.viewer;
+    if (appears) write(this.announcer, `${this.words.textContent} ${this.left.textContent}`);
   }
 
   async #press() {

@@ -1,7 +1,7 @@
 // Signals over the first one: the newest stretch as a curve that fades with age.
 // Enters: raw samples of the span. Leaves: a curve for each further signal, a spot at the newest sample.
 
-import { drawWords, labelsX, placeX, placeY } from "./chart_axes.js";
+import { drawWords, font, labelsX, placeX, placeY } from "./chart_axes.js";
 import { Chart, clipped, spot, STROKE } from "./chart_base.js";
 import { fit, AutoRange } from "./chart_range.js";
 import { extentShown } from "./chart_signals.js";
@@ -48,9 +48,20 @@ export class XyChart extends Chart {
     this.drawPaper(context, frame, this.axes.x, labelsX(frame, this.axes.x, this.signals[0]?.unit ?? ""));
     if (this.signals.length < 2) return drawWords(context, frame, paper(), "An XY plot needs two signals");
     if (this.store.count === 0) return drawWords(context, frame, paper(), "No data yet");
+    this.drawName(context, frame);
     clipped(context, frame, () => this.shown(hidden).forEach((signal) => this.drawOne(context, frame, signal)));
     this.shown(hidden).forEach((signal) => this.drawNewest(context, frame, signal));
     return undefined;
+  }
+
+  /** What is horizontal, just above its axis. */
+  drawName(context, frame) {
+    context.font = font(frame.unit);
+    context.fillStyle = paper().soft;
+    context.textAlign = "right";
+    context.textBaseline = "alphabetic";
+    const [right, bottom] = [frame.left + frame.width, frame.top + frame.height];
+    context.fillText(this.signals[0].label, right - 8 * frame.unit, bottom - 8 * frame.unit);
   }
 
   /** Pixel of a sample, from the upper left corner of the plot. */
@@ -107,6 +118,6 @@ export class XyChart extends Chart {
     if (!this.axes || this.signals.length < 2 || this.store.count === 0) return null;
     const text = ({ key, factor, unit }) => quantity(this.store.valueAt(this.store.channels.get(key), this.stretch[1] - 1) * factor, readingDecimals(unit), unit);
     const rows = this.shown(hidden).map((signal) => ({ cells: [signal.label, text(this.signals[0]), text(signal)], colour: colourOf(signal.key) }));
-    return { head: ["", `x: ${this.signals[0].label}`, "y"], rows, note: "" };
+    return { head: ["Signal", `x: ${this.signals[0].label}`, "y"], rows, note: "" };
   }
 }

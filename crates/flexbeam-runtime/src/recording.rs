@@ -174,7 +174,7 @@ pub(crate) fn run_sample(sample: &Sample, calibration: &Calibration) -> RunSampl
 }
 
 /// Real-time: no. The settings that are in force from an instant on, as a recording has them.
-pub(crate) fn run_settings(instant: u64, live: &Live) -> LiveSettings {
+pub fn run_settings(instant: u64, live: &Live) -> LiveSettings {
     let (settings, reference) = (table_of(&live.settings), run_reference(&live.reference));
     LiveSettings { revision: live.revision, tick: instant, settings, reference }
 }

@@ -2,6 +2,7 @@
 
 mod export;
 mod given;
+mod new;
 mod rig;
 mod run;
 mod scope;
@@ -16,6 +17,7 @@ use flexbeam_ident::Order;
 use crate::nominal::Nominal;
 pub use export::{Export, Form};
 pub use given::Given;
+pub use new::New;
 pub use rig::{Experiment, Rig, RigTest, ServeRig};
 pub use run::{RigLink, Run, Signal, Tell, What};
 pub use scope::Scope;
@@ -37,6 +39,8 @@ pub enum Command {
     /// The paper from end to end on the simulated rig: figures, report, summary
     #[command(allow_negative_numbers = true)]
     Reproduce(Reproduce),
+    /// A project: a folder that runs at once, on the simulated rig
+    New(New),
     /// Excite the rig and record
     #[command(allow_negative_numbers = true)]
     Record(Record),

@@ -22,23 +22,20 @@ pub fn run(arguments: &cli::Design) -> Result<(), Failure> {
     expect_not_negative(arguments)?;
     let model = Model::read(&arguments.model)?;
     let nominal = nominal_plant(&model, &arguments.output_name, arguments.nominal)?;
-    let specification = match specification(arguments, &model, &nominal) {
+    if arguments.uncertainty.as_deref() == Some("beam") {
+        tell_apart(arguments, &model)?;
+    }
+    let specification = match specification(arguments, &nominal) {
         Err(Failure::No(reason)) => return answer_no(arguments, None, reason),
         other => other?,
     };
     if arguments.robust_only {
         return robust_only(arguments, &nominal, &specification);
     }
-    let replace = overwrite::<Controller>(&arguments.out, arguments.force)?;
-    let tried = || format!("design a controller for {}", arguments.model.display());
-    let solved = match design(&nominal, &specification).map_err(Failure::while_trying(tried()))? {
-        Outcome::Solved(solved) => solved,
-        Outcome::Unsolvable(reason) => return answer_no(arguments, Some((&nominal, &specification)), Box::new(reason)),
+    let file = match solved(arguments, &nominal, &specification) {
+        Err(Failure::No(reason)) => return answer_no(arguments, Some((&nominal, &specification)), reason),
+        other => other?,
     };
-    let parents: Vec<&Path> = [&arguments.model].into_iter().chain(&arguments.rig).map(PathBuf::as_path).collect();
-    let provenance = provenance(&parents, &arguments.out)?;
-    let file = controller_file(&solved, &specification, &nominal, particulars(arguments)?, Some(provenance))?;
-    file.write(&arguments.out, replace)?;
     if arguments.json {
         println!("{}", json_text(&DesignResult::of(&file)));
     } else {
@@ -49,11 +46,35 @@ pub fn run(arguments: &cli::Design) -> Result<(), Failure> {
     Ok(())
 }
 
-fn specification(arguments: &cli::Design, model: &Model, nominal: &StateSpace) -> Result<Specification, Failure> {
+/// Designs, and writes the controller.
+///
+/// Errors: [`Failure::No`] where there is none; those of reading and writing.
+pub(crate) fn designed(arguments: &cli::Design) -> Result<Controller, Failure> {
+    expect_not_negative(arguments)?;
+    let model = Model::read(&arguments.model)?;
+    let nominal = nominal_plant(&model, &arguments.output_name, arguments.nominal)?;
+    solved(arguments, &nominal, &specification(arguments, &nominal)?)
+}
+
+fn solved(arguments: &cli::Design, nominal: &StateSpace, specification: &Specification) -> Result<Controller, Failure> {
+    let replace = overwrite::<Controller>(&arguments.out, arguments.force)?;
+    let tried = || format!("design a controller for {}", arguments.model.display());
+    let solved = match design(nominal, specification).map_err(Failure::while_trying(tried()))? {
+        Outcome::Solved(solved) => solved,
+        Outcome::Unsolvable(reason) => return Err(Failure::No(Box::new(reason))),
+    };
+    let parents: Vec<&Path> = [&arguments.model].into_iter().chain(&arguments.rig).map(PathBuf::as_path).collect();
+    let provenance = provenance(&parents, &arguments.out)?;
+    let file = controller_file(&solved, specification, nominal, particulars(arguments)?, Some(provenance))?;
+    file.write(&arguments.out, replace)?;
+    Ok(file)
+}
+
+fn specification(arguments: &cli::Design, nominal: &StateSpace) -> Result<Specification, Failure> {
     let low_pass = arguments.low_pass_hz.map_or(1.0, |cutoff_hz| low_pass(cutoff_hz, arguments.period));
     Ok(Specification {
         stability_degree: arguments.stability_degree,
-        uncertainty: alpha(arguments, model, nominal)?,
+        uncertainty: alpha(arguments, nominal)?,
         stiffness: stiffness(asked_stiffness(arguments)?, arguments.residual_voltage),
         reference: reference(arguments)?,
         period_s: arguments.period,
@@ -127,15 +148,12 @@ enum NoBound {
 }
 
 /// alpha(s): coefficients, a constant, or what covers the distributed beam.
-fn alpha(arguments: &cli::Design, model: &Model, nominal: &StateSpace) -> Result<Uncertainty, Failure> {
+fn alpha(arguments: &cli::Design, nominal: &StateSpace) -> Result<Uncertainty, Failure> {
     let tried = "read the uncertainty";
     match arguments.uncertainty.as_deref() {
         None if arguments.uncertainty_num.is_empty() => Err(Failure::while_trying(tried)(NoBound::Missing)),
         None => uncertainty(&arguments.uncertainty_num, &arguments.uncertainty_den),
-        Some("beam") => {
-            tell_apart(arguments, model)?;
-            beam_uncertainty(&beam_of_rig(arguments.rig.as_deref())?, nominal, arguments.stability_degree)
-        }
+        Some("beam") => beam_uncertainty(&beam_of_rig(arguments.rig.as_deref())?, nominal, arguments.stability_degree),
         Some(text) => match text.parse() {
             Ok(value) => Uncertainty::constant(value).map_err(Failure::while_trying(tried)),
             Err(_) => Err(Failure::while_trying(tried)(NoBound::Unreadable(text.into()))),

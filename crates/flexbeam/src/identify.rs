@@ -45,6 +45,23 @@ pub(crate) struct Found {
 
 /// `flexbeam identify`.
 pub fn run(arguments: &cli::Identify) -> Result<(), Failure> {
+    let (experiment, found) = identified(arguments)?;
+    found.notes(arguments, &experiment);
+    let options = options(arguments);
+    if let Some(folder) = &arguments.plots {
+        pictures::draw(folder, &experiment, &found, &options)?;
+    }
+    match arguments.json {
+        true => println!("{}", json_text(&found.result(&experiment, &options))),
+        false => print!("{}", table::text(arguments, &experiment, &found)),
+    }
+    Ok(())
+}
+
+/// Identifies, and writes the model.
+///
+/// Errors: a recording or options of which no model can be made; those of writing.
+pub(crate) fn identified(arguments: &cli::Identify) -> Result<(Experiment, Found), Failure> {
     let replace = overwrite::<Model>(&arguments.out, arguments.force)?;
     let sign = waiting("reading the recording");
     let recording = recording(arguments)?;
@@ -58,18 +75,9 @@ pub fn run(arguments: &cli::Identify) -> Result<(), Failure> {
         .map_err(Hinted)
         .map_err(Failure::while_trying(format!("identify {}", arguments.recording.display())))?;
     sign.finish_and_clear();
-    found.notes(arguments, &experiment);
-
     let model = found.model_file(&experiment, &options, &arguments.recording, &arguments.out)?;
     model.write(&arguments.out, replace)?;
-    if let Some(folder) = &arguments.plots {
-        pictures::draw(folder, &experiment, &found, &options)?;
-    }
-    match arguments.json {
-        true => println!("{}", json_text(&found.result(&experiment, &options))),
-        false => print!("{}", table::text(arguments, &experiment, &found)),
-    }
-    Ok(())
+    Ok((experiment, found))
 }
 
 fn options(arguments: &cli::Identify) -> Options {

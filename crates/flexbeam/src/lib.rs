@@ -10,6 +10,7 @@ mod export;
 mod failure;
 mod identify;
 mod law;
+mod new;
 mod nominal;
 mod on_rig;
 mod output;
@@ -34,6 +35,7 @@ pub use failure::Failure;
 pub fn run(cli: cli::Cli) -> Result<(), Failure> {
     match cli.command {
         cli::Command::Reproduce(arguments) => reproduce::run(&arguments),
+        cli::Command::New(arguments) => new::run(&arguments),
         cli::Command::Record(arguments) => record::run(&arguments),
         cli::Command::Identify(arguments) => identify::run(&arguments),
         cli::Command::Design(arguments) => design::run(&arguments),

@@ -50,6 +50,12 @@ fn in_folder(path: &Path) -> &Path {
 }
 
 impl Opened {
+    /// Its name; that of its folder where it has none.
+    pub fn name(&self) -> String {
+        let of_folder = || Some(std::path::absolute(&self.file).ok()?.parent()?.file_name()?.to_string_lossy().into());
+        self.project.name.clone().or_else(of_folder).unwrap_or_default()
+    }
+
     /// Its controller file.
     ///
     /// Errors: a project that names none.

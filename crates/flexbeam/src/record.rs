@@ -33,36 +33,45 @@ struct NoExperiment {
 
 /// `flexbeam record`.
 pub fn run(arguments: &cli::Record) -> Result<(), Failure> {
-    let (csv, note) = (&arguments.out, Note::path_for(&arguments.out));
-    let replace = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
+    if arguments.out.extension().is_some_and(|extension| extension == "mcap") {
+        let (port, parameters) = (port(&arguments.link.port)?, parameters(arguments)?);
+        return on_clock::Recording { arguments, port: &port, parameters: &parameters }.as_run();
+    }
+    let (signals, bytes) = recorded(arguments)?;
+    answer(arguments, &signals, &bytes);
+    Ok(())
+}
 
+fn parameters(arguments: &cli::Record) -> Result<RigParameters, Failure> {
     let mut parameters = rig_parameters(arguments.rig.as_deref())?;
     parameters.period_s = arguments.period.unwrap_or(parameters.period_s);
-    if arguments.linear {
-        parameters = linear_rig(&parameters);
-    }
-    let port = port(&arguments.link.port)?;
-    let tried = format!("record {}", csv.display());
-    let on_clock = on_clock::Recording { arguments, port: &port, parameters: &parameters };
-    if csv.extension().is_some_and(|extension| extension == "mcap") {
-        return on_clock.as_run();
-    }
+    Ok(if arguments.linear { linear_rig(&parameters) } else { parameters })
+}
+
+/// Records, and writes the table and the note beside it.
+///
+/// Returns: the signals, and the table's bytes.
+/// Errors: those of the rig and of writing.
+pub(crate) fn recorded(arguments: &cli::Record) -> Result<(Signals, Vec<u8>), Failure> {
+    let (csv, note) = (&arguments.out, Note::path_for(&arguments.out));
+    let replace = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
+    let (port, parameters) = (port(&arguments.link.port)?, parameters(arguments)?);
     check_free(csv, replace)?;
     let replace_note = overwrite::<Note>(&note, arguments.force)?;
     let signals = if port == Port::Simulated {
         let _sign = waiting("recording");
+        let tried = format!("record {}", csv.display());
         excited(&parameters, arguments.duration, arguments.rms, arguments.seed)
             .map_err(|error| Failure::Input { tried, error })?
     } else {
-        on_clock.as_signals()?
+        on_clock::Recording { arguments, port: &port, parameters: &parameters }.as_signals()?
     };
     let bytes = csv_text(&signals, None).into_bytes();
     let parents: Vec<&Path> = arguments.rig.iter().map(|path| path.as_path()).collect();
     let text = Note::new(&signals, &bytes, provenance(&parents, &note)?).to_toml(&note)?;
     write_bytes(csv, &bytes, replace)?;
     write_bytes(&note, text.as_bytes(), replace_note)?;
-    answer(arguments, &signals, &bytes);
-    Ok(())
+    Ok((signals, bytes))
 }
 
 /// White Gaussian voltage of this rms, and what the rig's sensors read.

@@ -28,10 +28,10 @@ use crate::rig_test::{RAMP, breakaway};
 use crate::verify::{Parts, distributed_beam};
 
 /// beta of the design [1/s]: below the damping of the third mode, 2.018.
-const BETA: f64 = 1.5;
+pub(crate) const BETA: f64 = 1.5;
 
 /// Rise time of the reference model [s].
-const RISE_TIME_S: f64 = 0.25;
+pub(crate) const RISE_TIME_S: f64 = 0.25;
 
 /// Cut-off of the measurements' low-pass filters [Hz]: a sixth of the sample rate.
 const LOW_PASS_HZ: f64 = 150.0;

@@ -4,6 +4,7 @@ mod certified;
 mod lines;
 mod project;
 mod reference;
+mod saving;
 mod scope;
 mod terminal;
 #[cfg(feature = "foxglove")]
@@ -11,7 +12,9 @@ mod viewers;
 
 use std::path::Path;
 
-use flexbeam_files::{Controller, Document, Overwrite, Project, RunFile, RunHeader, RunResult, json_text};
+use flexbeam_files::{
+    CertificateSummary, Controller, Document, Overwrite, Project, RunFile, RunHeader, RunResult, Screen, json_text,
+};
 use flexbeam_report::{Cell, Table, engineering};
 use flexbeam_rig::RigParameters;
 use flexbeam_runtime::back_end::BackEnd;
@@ -51,11 +54,11 @@ pub fn run(given: &cli::Given<cli::Run>) -> Result<(), Failure> {
     let asked = Asked::of(given)?;
     let arguments = &asked.arguments;
     let plan = Plan::of(&asked)?;
-    let mut places = Places::take(arguments, &plan)?;
+    let mut places = Places::take(&asked, &plan)?;
     let (rig, setup) = plan.rig_at_rest(arguments)?;
     let running = plan.armed(&asked, &places, rig, setup)?;
     let _socket = places.serve(&running.steering)?;
-    watch(arguments, &plan, &running);
+    watch(arguments, &plan, &places, &running);
     answer(arguments, running.session.finish(), &running.context)
 }
 
@@ -70,13 +73,14 @@ struct Places {
 
 impl Places {
     /// Errors: a file that may not be replaced, a socket or an address that is taken.
-    fn take(arguments: &cli::Run, plan: &Plan) -> Result<Places, Failure> {
+    fn take(asked: &Asked, plan: &Plan) -> Result<Places, Failure> {
+        let arguments = &asked.arguments;
         let overwrite = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
         RunFile::check_free(&arguments.out, overwrite)?;
         Ok(Places {
             overwrite,
             socket: arguments.control.as_deref().map(BoundSocket::bind).transpose().map_err(said_itself)?,
-            scope: scope::open(&arguments.scope, plan.about(arguments))?,
+            scope: scope::open(&arguments.scope, plan.about(asked))?,
             #[cfg(feature = "foxglove")]
             viewers: viewers::open(&arguments.viewers)?,
         })
@@ -96,10 +100,11 @@ struct Running {
 }
 
 /// Until the run is over: on the terminal where there is one, then in lines whatever was not told yet.
-fn watch(arguments: &cli::Run, plan: &Plan, Running { session, steering, .. }: &Running) {
+fn watch(arguments: &cli::Run, plan: &Plan, places: &Places, Running { session, steering, .. }: &Running) {
     if !arguments.plain && !arguments.json && terminal::is_there() {
         let controller = arguments.controller.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        terminal::watch(session, steering, terminal::About { controller, port: plan.port.to_string() });
+        let scope = places.scope.as_ref().map(ScopeServer::url);
+        terminal::watch(session, steering, terminal::About { controller, port: plan.port.to_string(), scope });
     }
     lines::watch(session, steering);
 }
@@ -117,6 +122,7 @@ struct Plan {
     setup: Setup,
     /// Rules that were set aside, by name.
     overrides: Vec<String>,
+    certificate: CertificateSummary,
 }
 
 impl Plan {
@@ -130,6 +136,7 @@ impl Plan {
         Ok(Plan {
             rig: rig_at(arguments.rig.as_deref(), file.period_s)?,
             setup: setup(asked, &file)?,
+            certificate: scope::certificate(&file, arguments.unverified.as_deref().filter(|_| overrides.is_some())),
             overrides: overrides.into_iter().collect(),
             port,
             tried,
@@ -137,15 +144,15 @@ impl Plan {
     }
 
     /// What the scope tells of it.
-    fn about(&self, arguments: &cli::Run) -> About {
+    fn about(&self, asked: &Asked) -> About {
         About {
-            controller: arguments.controller.display().to_string(),
-            project: None,
+            controller: asked.arguments.controller.display().to_string(),
+            project: asked.name(),
             port: self.port.to_string(),
             period_s: self.setup.period_s,
-            certificate: None,
-            screen: scope::default_screen(),
-            save: None,
+            certificate: Some(self.certificate.clone()),
+            screen: asked.screen().unwrap_or_else(Screen::usual),
+            save: asked.save(),
             asked: self.setup.asked.clone(),
         }
     }
@@ -169,6 +176,7 @@ impl Plan {
         let arguments = &asked.arguments;
         let header = self.header(asked)?;
         let context = RunContext { port: self.port.to_string(), period_s: setup.period_s };
+        asked.saves_from(&setup.live)?;
         let folder = asked.make_folder()?;
         let file = RunFile::create(&arguments.out, places.overwrite, &header)?;
         let latest = Latest::default();
@@ -195,7 +203,7 @@ impl Plan {
     fn header(&self, asked: &Asked) -> Result<RunHeader, Failure> {
         let arguments = &asked.arguments;
         let beside = arguments.controller.with_file_name(Project::FILE);
-        let of_run = asked.project.as_ref().map(|opened| opened.file.clone());
+        let of_run = asked.project.as_ref().map(|project| project.opened.file.clone());
         let project = of_run.or_else(|| beside.is_file().then_some(beside));
         let files = [Some(&arguments.controller), arguments.rig.as_ref(), project.as_ref()];
         let parents: Vec<&Path> = files.into_iter().flatten().map(|path| path.as_path()).collect();

@@ -19,7 +19,7 @@ pub struct LiveSettings {
 }
 
 impl LiveSettings {
-    /// The key of every setting, in the order of [`LiveSettings::by_key`].
+    /// The key of every setting, as in [`LiveSettings::by_key`].
     pub const KEYS: &[&str] = &[
         "law",
         "u_p_plus_v",
@@ -175,6 +175,7 @@ mod tests {
     use super::*;
     use crate::RunTopic;
     use crate::settings::{Channel, Law};
+    use std::collections::BTreeSet;
 
     /// Every key that can be written stands in the schema, and nothing else does.
     #[test]
@@ -213,9 +214,11 @@ mod tests {
         assert_same_keys(&Value::Object(Default::default()), &serde_json::from_str(RunTopic::REPORT.schema).unwrap());
         assert_eq!(live.texts().len(), 15 + 2 * 3, "fifteen numbers and words, two channels of three");
         let keys = live.by_key();
-        assert_eq!(keys.iter().map(|(key, _)| key.as_str()).collect::<Vec<_>>(), LiveSettings::KEYS);
-        let words = keys.iter().filter(|(_, value)| matches!(value, SettingValue::Word(_)));
-        assert_eq!(words.map(|(key, _)| key.as_str()).collect::<Vec<_>>(), LiveSettings::WORDS);
+        let all: BTreeSet<&str> = keys.iter().map(|(key, _)| key.as_str()).collect();
+        assert_eq!(all, LiveSettings::KEYS.iter().copied().collect());
+        let is_word = |value: &SettingValue| matches!(value, SettingValue::Word(_));
+        let words: BTreeSet<&str> = keys.iter().filter(|(_, v)| is_word(v)).map(|(key, _)| key.as_str()).collect();
+        assert_eq!(words, LiveSettings::WORDS.iter().copied().collect());
         assert!(keys.contains(&("theta.low_pass".into(), SettingValue::Number(1.0))), "{keys:?}");
         assert!(keys.contains(&("reference.shape".into(), SettingValue::Word("sawtooth".into()))), "{keys:?}");
         let back: LiveSettings = serde_json::from_slice(&live.to_json()).unwrap();
@@ -226,9 +229,7 @@ mod tests {
         let kind = match value {
             Value::Object(object) => {
                 let properties = schema["properties"].as_object().expect("properties");
-                let keys = |object: &serde_json::Map<String, Value>| {
-                    object.keys().cloned().collect::<std::collections::BTreeSet<_>>()
-                };
+                let keys = |object: &serde_json::Map<String, Value>| object.keys().cloned().collect::<BTreeSet<_>>();
                 assert_eq!(keys(object), keys(properties));
                 object.iter().for_each(|(key, value)| assert_same_keys(value, &properties[key]));
                 "object"

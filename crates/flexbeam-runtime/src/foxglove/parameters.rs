@@ -1,8 +1,9 @@
 //! Live settings as parameters: by the keys that `flexbeam tell` changes them with.
 
 use super::ViewersMay;
-use super::refusal::{NotSet, fit_to_print};
+use super::refusal::NotSet;
 use crate::control_socket::Steering;
+use crate::printable::fit_to_print;
 use crate::recording::run_settings;
 use crate::session::Notes;
 use crate::sink::EventKind;

@@ -1,8 +1,5 @@
 //! Changes that a viewer asks for in vain.
 
-/// Longest text that goes to terminals and recordings [characters]: what a viewer wrote may stand in it.
-const LONGEST: usize = 800;
-
 /// Why nothing was changed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum NotSet {
@@ -32,21 +29,4 @@ pub(super) enum NotSet {
     /// The run's own words.
     #[error("{0}")]
     Refused(String),
-}
-
-/// Without what would move a terminal's cursor, and not longer than [`LONGEST`].
-pub(super) fn fit_to_print(text: &str) -> String {
-    text.chars().filter(|c| *c == '\n' || !c.is_control()).take(LONGEST).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_viewer_cannot_write_on_the_terminal() {
-        let long = NotSet::ReadOnly(vec!["a\u{1b}[2Jb\r".into(), "x".repeat(100_000)]);
-        let text = fit_to_print(&long.to_string());
-        assert!(text.contains("a[2Jb") && text.chars().count() == LONGEST, "{text}");
-    }
 }

@@ -38,3 +38,28 @@ impl Chronicle {
         Some((event.clone(), number + 1))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_comes_late_hears_what_is_left_and_each_event_once() {
+        let mut chronicle = Chronicle::default();
+        let event = |tick| RunEvent { tick, time_s: 0.0, kind: "warning".into(), text: String::new() };
+        let all = |chronicle: &Chronicle, from: u64| {
+            let mut number = from;
+            std::iter::from_fn(|| {
+                let (event, next) = chronicle.next(number)?;
+                number = next;
+                Some(event.tick)
+            })
+            .collect::<Vec<_>>()
+        };
+        assert!(all(&chronicle, 0).is_empty());
+        (0..1030).for_each(|tick| chronicle.push(event(tick)));
+        assert_eq!(all(&chronicle, 0), (6..1030).collect::<Vec<_>>());
+        assert_eq!(all(&chronicle, 1028), [1028, 1029]);
+        assert!(all(&chronicle, 1030).is_empty());
+    }
+}

@@ -159,8 +159,8 @@ mod tests {
 
     fn ours(host: &[&str], origin: &[&str]) -> bool {
         let mut headers = HeaderMap::new();
-        host.iter().for_each(|host| drop(headers.append(header::HOST, host.parse().unwrap())));
-        origin.iter().for_each(|origin| drop(headers.append(header::ORIGIN, origin.parse().unwrap())));
+        headers.extend(host.iter().map(|host| (header::HOST, host.parse().unwrap())));
+        headers.extend(origin.iter().map(|origin| (header::ORIGIN, origin.parse().unwrap())));
         is_ours(&headers, "rig.example")
     }
 

@@ -9,6 +9,7 @@ use super::{About, knobs};
 use crate::control_socket::Steering;
 use crate::lifecycle::Phase;
 use crate::live::Live;
+use crate::printable::fit_to_print;
 use crate::recording::run_settings;
 use crate::session::Notes;
 use crate::sink::EventKind;
@@ -21,9 +22,11 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Refusals that go into the recording; a viewer that is refused for ever must not fill it.
-const MOST_NOTED: usize = 100;
-/// Longest text of a viewer that goes to terminals and recordings [characters].
-const LONGEST: usize = 800;
+const MOST_REFUSALS: usize = 100;
+/// Changes of hands that do.
+const MOST_HANDOVERS: usize = 1000;
+/// Said with the last one of a kind.
+const LAST: &str = "; further ones are not noted";
 /// Changes are told in the recording at most this often; its settings hold every single one.
 const GATHER: Duration = Duration::from_secs(1);
 
@@ -39,7 +42,8 @@ pub(super) struct Hall {
     run: OnceLock<(Steering, Notes)>,
     seats: Mutex<Seats>,
     screen: Mutex<Screen>,
-    noted: AtomicUsize,
+    refusals: AtomicUsize,
+    handovers: AtomicUsize,
     changes: Mutex<Changes>,
     began: Instant,
     /// The server is about to go.
@@ -69,7 +73,8 @@ impl Hall {
             chronicle: Mutex::default(),
             run: OnceLock::new(),
             seats: Mutex::default(),
-            noted: AtomicUsize::new(0),
+            refusals: AtomicUsize::new(0),
+            handovers: AtomicUsize::new(0),
             changes: Mutex::default(),
             began: Instant::now(),
             closing: AtomicBool::new(false),
@@ -101,13 +106,20 @@ impl Hall {
         let after = seats.in_control();
         drop(seats);
         if before != after {
-            self.tell_changes();
-            match after {
-                Some((id, name)) => self.note(EventKind::Control, &format!("viewer {id} {name:?} is in control")),
-                None => self.note(EventKind::Control, "no viewer is in control"),
-            }
+            self.note_handover(after);
         }
         done
+    }
+
+    /// Who steers now; what the one before has changed comes first.
+    fn note_handover(&self, to: Option<(u64, String)>) {
+        let so_far = self.handovers.fetch_add(1, Ordering::Relaxed);
+        if so_far < MOST_HANDOVERS {
+            self.tell_changes();
+            let who = to.map_or("no viewer".into(), |(id, name)| format!("viewer {id} {name:?}"));
+            let last = if so_far + 1 == MOST_HANDOVERS { LAST } else { "" };
+            self.note(EventKind::Control, &format!("{who} is in control{last}"));
+        }
     }
 
     /// An event of the recording, where there is one.
@@ -120,9 +132,9 @@ impl Hall {
     /// A refusal, in the recording; so many of them.
     pub(super) fn note_refusal(&self, refused: &str) {
         let first = refused.lines().next().unwrap_or_default();
-        let so_far = self.noted.fetch_add(1, Ordering::Relaxed);
-        if so_far < MOST_NOTED {
-            let last = if so_far + 1 == MOST_NOTED { "; further ones are not noted" } else { "" };
+        let so_far = self.refusals.fetch_add(1, Ordering::Relaxed);
+        if so_far < MOST_REFUSALS {
+            let last = if so_far + 1 == MOST_REFUSALS { LAST } else { "" };
             self.note(EventKind::Warning, &format!("a viewer's request was refused: {first}{last}"));
         }
     }
@@ -143,7 +155,7 @@ impl Hall {
         }
     }
 
-    pub(super) fn tell_changes(&self) {
+    fn tell_changes(&self) {
         let Changes { viewer, since, values } = std::mem::take(&mut *locked(&self.changes));
         if since.is_some() {
             let values: Vec<String> = values.iter().map(|(key, value)| format!("{key} = {value}")).collect();
@@ -227,9 +239,4 @@ impl Hall {
             },
         }
     }
-}
-
-/// Without what would move a terminal's cursor, and not longer than [`LONGEST`].
-pub(super) fn fit_to_print(text: &str) -> String {
-    text.chars().filter(|c| *c == '\n' || !c.is_control()).take(LONGEST).collect()
 }

@@ -154,3 +154,115 @@ fn encoded(rows: &[Row], lost: u32) -> Vec<u8> {
     }
     bytes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A frame as a page reads it: lost, ticks, first channel.
+    fn read(bytes: &[u8]) -> (u32, Vec<u64>, Vec<f32>) {
+        let u32_at = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+        let (n, m) = (u32_at(4) as usize, u32_at(16) as usize);
+        assert_eq!((&bytes[..4], m, bytes.len()), (&b"FBS1"[..], CHANNELS, 24 + 4 * n * (1 + m)));
+        let first = f64::from_le_bytes(bytes[8..16].try_into().unwrap()) as u64;
+        let ticks = (0..n).map(|k| first + u64::from(u32_at(24 + 4 * k))).collect();
+        let values = (0..n).map(|k| f32::from_bits(u32_at(24 + 4 * (n + k)))).collect();
+        (u32_at(20), ticks, values)
+    }
+
+    fn push(history: &History, ticks: impl IntoIterator<Item = u64>) {
+        for tick in ticks {
+            let sample = RunSample { tick, reference_rad: tick as f64 * 0.1, ..RunSample::default() };
+            history.push(Row::of(&sample));
+        }
+    }
+
+    fn all(history: &History, cursor: &mut Cursor) -> Vec<(u32, Vec<u64>)> {
+        let mut rows = Vec::new();
+        let next = || history.frame(cursor, &mut rows).map(|bytes| read(&bytes));
+        std::iter::from_fn(next).map(|(lost, ticks, _)| (lost, ticks)).collect()
+    }
+
+    #[test]
+    fn every_row_comes_once_in_order_with_its_values() {
+        let history = History::new(1e-3);
+        push(&history, (0..10_000).filter(|tick| tick % 7 != 3));
+        let (mut cursor, mut rows) = (history.cursor(None), Vec::new());
+        let (lost, ticks, values) = read(&history.frame(&mut cursor, &mut rows).unwrap());
+        assert_eq!((lost, ticks.len()), (0, MOST_IN_FRAME));
+        assert!(ticks.iter().zip(&values).all(|(tick, value)| *value == (*tick as f64 * 0.1) as f32));
+        let rest: Vec<u64> = all(&history, &mut cursor).into_iter().flat_map(|(_, ticks)| ticks).collect();
+        let whole: Vec<u64> = ticks.into_iter().chain(rest).collect();
+        assert!(whole.iter().copied().eq((0..10_000).filter(|tick| tick % 7 != 3)));
+        assert_eq!(history.frame(&mut cursor, &mut rows), None);
+    }
+
+    #[test]
+    fn a_slow_viewer_learns_what_it_lost() {
+        let history = History::new(0.1); // 600 rows
+        push(&history, 0..100);
+        let mut cursor = history.cursor(None);
+        all(&history, &mut cursor);
+        push(&history, 100..1000);
+        assert_eq!(all(&history, &mut cursor), [(300, (400..1000).collect())]);
+        push(&history, 1000..1001);
+        assert_eq!(all(&history, &mut cursor), [(0, vec![1000])], "it is told once");
+    }
+
+    #[test]
+    fn who_comes_back_goes_on_behind_its_last_tick() {
+        let history = History::new(0.1);
+        assert_eq!(history.cursor(Some(0)), Cursor::default());
+        push(&history, [0, 1, 5, 6]);
+        let after = |tick| all(&history, &mut history.cursor(Some(tick)));
+        assert_eq!(after(1), [(0, vec![5, 6])]);
+        assert_eq!(after(3), [(0, vec![5, 6])], "between two rows");
+        assert_eq!(after(6), []);
+        assert_eq!(after(7), [(0, vec![0, 1, 5, 6])], "of another run");
+        push(&history, 7..1000);
+        let after = |tick| all(&history, &mut history.cursor(Some(tick)));
+        assert_eq!(after(995), [(0, (996..1000).collect())]);
+        assert_eq!(after(399), [(0, (400..1000).collect())], "just not too late");
+        assert_eq!(after(300), [(99, (400..1000).collect())]);
+    }
+
+    #[test]
+    fn a_pause_that_no_offset_holds_begins_a_frame() {
+        let history = History::new(1e-3);
+        let far = 1 + u64::from(u32::MAX);
+        push(&history, [0, far - 1, far, far + 1]);
+        let mut cursor = history.cursor(None);
+        assert_eq!(all(&history, &mut cursor), [(0, vec![0, far - 1]), (0, vec![far, far + 1])]);
+    }
+
+    #[test]
+    fn the_memory_is_a_minute_or_less() {
+        let rows = |period_s| History::new(period_s).lock().rows.len();
+        assert_eq!((rows(1e-3), rows(1e-4), rows(0.01), rows(1e9)), (60_000, MOST_ROWS, 6000, 1));
+        assert!(MOST_ROWS * size_of::<Row>() < 5_000_000);
+    }
+
+    /// A writer that never rests: frames hold whole rows, in order, and what is missing is told.
+    #[test]
+    fn no_row_is_ever_seen_half() {
+        const ROWS: u64 = 200_000;
+        let history = std::sync::Arc::new(History::new(0.1));
+        let writer = history.clone();
+        let writing = std::thread::spawn(move || {
+            for tick in 0..ROWS {
+                let sample = RunSample { tick, reference_rad: tick as f64, stale: 1, ..RunSample::default() };
+                writer.push(Row::of(&sample));
+            }
+        });
+        let (mut cursor, mut rows, mut seen, mut lost, mut last) = (Cursor::default(), Vec::new(), 0, 0, None);
+        while seen + lost < ROWS {
+            let Some(bytes) = history.frame(&mut cursor, &mut rows) else { continue };
+            let (gone, ticks, values) = read(&bytes);
+            assert!(ticks.iter().zip(&values).all(|(tick, value)| *tick as f32 == *value));
+            assert!(ticks.windows(2).all(|pair| pair[1] == pair[0] + 1));
+            assert_eq!(ticks[0], last.map_or(0, |last| last + 1) + u64::from(gone));
+            (seen, lost, last) = (seen + ticks.len() as u64, lost + u64::from(gone), ticks.last().copied());
+        }
+        writing.join().unwrap();
+    }
+}

@@ -6,7 +6,7 @@ use flexbeam_files::Knob;
 use flexbeam_kernel as kernel;
 
 /// Least number above zero: where zero itself is refused.
-const ABOVE_ZERO: f64 = f64::from_bits(1);
+pub(super) const ABOVE_ZERO: f64 = f64::from_bits(1);
 
 /// Which numbers are accepted.
 #[derive(Clone, Copy)]
@@ -180,5 +180,122 @@ fn word(key: &str, label: &str, group: &str, words: &[&str]) -> Knob {
         decimals: 0,
         words: Some(words.iter().map(|word| (*word).into()).collect()),
         why_fixed: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control_socket::change_reference;
+    use crate::kernel_settings::with_table;
+    use crate::live::{LiveControl, live};
+    use crate::recording::run_settings;
+    use crate::reference::Reference;
+    use flexbeam_files::{Request, SettingValue, request_of_values};
+
+    const PERIOD_S: f64 = 0.002;
+
+    /// Every limit is finite; the reference repeats, because a step has no period that could be wrong.
+    fn first(shape: Shape) -> Live {
+        let settings = kernel::Settings {
+            smooth_ticks: 200.0,
+            smooth_step_rad: 1.0,
+            theta_limit_rad: 3.0,
+            theta_step_limit_rad: 0.05,
+            voltage_limit_v: 8.0,
+            ..kernel::Settings::default()
+        };
+        let reference = Reference { shape, samples: [0.5].into(), ..Reference::default() };
+        Live { revision: 0, settings, reference }
+    }
+
+    fn table(control: &LiveControl) -> Vec<Knob> {
+        knobs(&control.current(), &control.first(), PERIOD_S)
+    }
+
+    /// As a viewer would set it.
+    fn is_accepted(first: &Live, key: &str, value: SettingValue) -> bool {
+        let (control, _reader) = live(first.clone()).unwrap();
+        let Ok(Request::Set { settings, reference }) = request_of_values(&[(key.into(), value)].into()) else {
+            panic!()
+        };
+        let change = |live: &mut Live| {
+            live.settings = with_table(&live.settings, &settings);
+            change_reference(live, &reference);
+        };
+        control.change(change).is_ok()
+    }
+
+    #[test]
+    fn every_live_setting_is_in_the_table_once() {
+        let (control, _reader) = live(first(Shape::Sine)).unwrap();
+        let mut found: Vec<String> = table(&control).into_iter().map(|knob| knob.key).collect();
+        let mut all: Vec<String> =
+            run_settings(0, &control.current()).by_key().into_iter().map(|(key, _)| key).collect();
+        found.sort();
+        all.sort();
+        assert_eq!(found, all);
+    }
+
+    #[test]
+    fn the_ends_are_those_of_the_loop() {
+        let first = first(Shape::Sine);
+        let (control, _reader) = live(first.clone()).unwrap();
+        for knob in table(&control).into_iter().filter(|knob| knob.words.is_none() && knob.why_fixed.is_none()) {
+            let takes = |value: f64| is_accepted(&first, &knob.key, SettingValue::Number(value));
+            let key = &knob.key;
+            match knob.low {
+                Some(low) => assert!(takes(low) && !takes(low.next_down()), "{key}: {low}"),
+                None => assert!(takes(-1e12), "{key}"),
+            }
+            match knob.high {
+                Some(high) => assert!(takes(high) && !takes(high.next_up()), "{key}: {high}"),
+                None => assert!(takes(1e12), "{key}"),
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_fixed_is_refused_and_every_word_is_taken() {
+        let first = first(Shape::Sine);
+        let (control, _reader) = live(first.clone()).unwrap();
+        let (mut fixed, mut words) = (0, 0);
+        for knob in table(&control) {
+            if knob.why_fixed.is_some() {
+                assert!(!is_accepted(&first, &knob.key, SettingValue::Number(0.123)), "{}", knob.key);
+                fixed += 1;
+            }
+            for word in knob.words.unwrap_or_default() {
+                assert!(is_accepted(&first, &knob.key, SettingValue::Word(word)), "{}", knob.key);
+                words += 1;
+            }
+        }
+        assert_eq!((fixed, words), (4, 3 + 5));
+    }
+
+    /// A limit that was tightened may be loosened again to what it was, so its knob keeps its end.
+    #[test]
+    fn a_tightened_limit_keeps_the_ends_of_the_start() {
+        let (control, _reader) = live(first(Shape::Sine)).unwrap();
+        let before = table(&control);
+        control.change(|live| live.settings.voltage_limit_v = 3.0).unwrap();
+        assert_eq!(table(&control), before);
+        control.change(|live| live.settings.voltage_limit_v = 8.0).unwrap();
+    }
+
+    #[test]
+    fn units_follow_the_period_and_the_shape() {
+        let of = |live: &Live, key: &str| knobs(live, live, PERIOD_S).into_iter().find(|knob| knob.key == key).unwrap();
+        let sine = first(Shape::Sine);
+        let smooth = of(&sine, "smooth_ticks");
+        assert_eq!((smooth.unit.as_str(), 200.0 * smooth.factor), ("s", 0.4));
+        assert!((smooth.step * smooth.factor - 0.01).abs() < 1e-15);
+        let speed = of(&sine, "theta_step_limit_rad");
+        assert!((0.05 * speed.factor - 25f64.to_degrees()).abs() < 1e-9, "0.05 rad in 2 ms");
+        assert_eq!(of(&sine, "reference.amplitude_rad").unit, "°");
+        let file = of(&first(Shape::File), "reference.amplitude_rad");
+        assert_eq!((file.unit.as_str(), file.factor), ("", 1.0));
+        let no_file = Live { reference: Reference::default(), ..first(Shape::Step) };
+        assert_eq!(of(&no_file, "reference.shape").words.unwrap().len(), 4, "nothing to play");
     }
 }

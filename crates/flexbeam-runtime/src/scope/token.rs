@@ -114,3 +114,52 @@ impl fmt::Debug for Token {
         f.write_str("Token(..)")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::PermissionsExt;
+
+    #[test]
+    fn a_token_is_26_letters_and_every_bit_counts() {
+        let shown = |bits: u128| Token::of(bits).to_string();
+        assert_eq!((shown(0), shown(31)), ("a".repeat(26), format!("7{}", "a".repeat(25))));
+        let all: std::collections::BTreeSet<String> = (0..128).map(|k| shown(1 << k)).collect();
+        assert_eq!(all.len(), 128);
+        assert_ne!(Token::new().unwrap(), Token::new().unwrap());
+    }
+
+    #[test]
+    fn nothing_but_the_whole_token_is_it() {
+        let token = Token::of(0x0123_4567_89ab_cdef_0123_4567_89ab_cdef);
+        let text = token.to_string();
+        assert!(token.is(&text));
+        for wrong in ["", &text[1..], &text[..25], &format!("{text}a"), &text.to_uppercase(), &format!(" {text}")] {
+            assert!(!token.is(wrong), "{wrong}");
+        }
+        for k in 0..26 {
+            let mut other = text.clone().into_bytes();
+            other[k] = if other[k] == b'a' { b'b' } else { b'a' };
+            assert!(!token.is(std::str::from_utf8(&other).unwrap()));
+        }
+        assert_eq!(format!("{token:?}"), "Token(..)");
+    }
+
+    #[test]
+    fn a_file_is_made_once_for_its_owner_and_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("token");
+        let token = Token::of_file(&path).unwrap();
+        assert_eq!(std::fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+        assert_eq!(Token::of_file(&path), Ok(token));
+        std::fs::set_permissions(&path, PermissionsExt::from_mode(0o640)).unwrap();
+        assert!(matches!(Token::of_file(&path), Err(NoToken::Open { mode: 0o640, .. })));
+        std::fs::set_permissions(&path, PermissionsExt::from_mode(0o600)).unwrap();
+        for text in [&b""[..], b"short", b"abcdefghijklmnopqrstuvwxy1", b"ABCDEFGHIJKLMNOPQRSTUVWXYZ", b"\xff\xff"] {
+            std::fs::write(&path, text).unwrap();
+            assert!(matches!(Token::of_file(&path), Err(NoToken::Malformed { .. })), "{text:?}");
+        }
+        assert!(matches!(Token::of_file(folder.path()), Err(NoToken::File { .. })));
+        assert!(matches!(Token::of_file(&folder.path().join("none/token")), Err(NoToken::File { .. })));
+    }
+}

@@ -4,9 +4,10 @@
 //! message at a time is on its way. Replies are the only queue, and a short one: when it is full, the viewer is not heard.
 
 use super::door::Connection;
-use super::hall::{Hall, fit_to_print};
+use super::hall::Hall;
 use super::requests::NotDone;
 use super::told::Told;
+use crate::printable::fit_to_print;
 use axum::body::Bytes;
 use axum::extract::ws::{CloseFrame, Message, WebSocket};
 use flexbeam_files::{Enter, PageMessage, SCOPE_PROTOCOL, ServerMessage, TokenFound, ViewerMay, json_text};

@@ -1,12 +1,18 @@
 //! What is to be run: the command line, then the project where the command line says nothing, then the defaults.
 
+use std::error::Error;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
-use flexbeam_files::{Controller, ProjectLimits, RunFile};
+use flexbeam_files::{Controller, ProjectLimits, RunFile, Screen, place_of};
 use flexbeam_kernel as kernel;
+use flexbeam_runtime::Live;
+use flexbeam_runtime::port::Port;
+use flexbeam_runtime::scope::Save;
 
 use super::reference::AskedReference;
+use super::saving::Saving;
 use crate::port::now_unix_ns;
 use crate::project::{Opened, opened};
 use crate::{Failure, cli};
@@ -18,7 +24,14 @@ pub struct Asked {
     /// The reference, likewise.
     pub reference: AskedReference,
     /// The project.
-    pub project: Option<Opened>,
+    pub project: Option<InRun>,
+}
+
+/// A project that runs.
+pub struct InRun {
+    /// What was read.
+    pub opened: Opened,
+    saving: Saving,
 }
 
 impl Asked {
@@ -30,23 +43,48 @@ impl Asked {
             return Ok(Asked { arguments, reference: flags, project: None });
         };
         arguments.controller = opened.controller()?;
-        adopt(&mut arguments, &opened, given);
+        adopt(&mut arguments, &opened, given)?;
         let reference = flags.or_project(&opened.project.reference, given);
-        Ok(Asked { arguments, reference, project: Some(opened) })
+        let saving = Saving::of(&opened, given);
+        Ok(Asked { arguments, reference, project: Some(InRun { opened, saving }) })
+    }
+
+    /// The project's name; that of its folder where it has none.
+    pub fn name(&self) -> Option<String> {
+        self.project.as_ref().map(|project| project.opened.name())
+    }
+
+    /// Its scopes and panels, if it has any.
+    pub fn screen(&self) -> Option<Screen> {
+        let screen = self.project.as_ref().map(|project| project.opened.project.screen());
+        screen.filter(|screen| *screen != Screen::default())
+    }
+
+    /// What a viewer saves with.
+    pub fn save(&self) -> Option<Save> {
+        self.project.as_ref().map(|project| project.saving.save())
+    }
+
+    /// From now on there is something to save: these are the run's first settings.
+    ///
+    /// Errors: a project file that does not read any more.
+    pub fn saves_from(&self, live: &Live) -> Result<(), Failure> {
+        let Some(project) = &self.project else { return Ok(()) };
+        Ok(project.saving.begin(live, self.reference.file())?)
     }
 
     /// The controller file with the project's settings in the place of its own.
     pub fn over(&self, file: Controller) -> Controller {
         match &self.project {
             None => file,
-            Some(opened) => Controller { settings: file.settings.with(&opened.project.settings), ..file },
+            Some(InRun { opened, .. }) => Controller { settings: file.settings.with(&opened.project.settings), ..file },
         }
     }
 
     /// The settings within the project's limits on voltage and deflection; those on the hub's angle and speed stand in the arguments.
     pub fn limited(&self, settings: kernel::Settings) -> kernel::Settings {
-        let Some(Opened { project, .. }) = &self.project else { return settings };
-        let ProjectLimits { voltage_v, deflection_rad, .. } = project.limits;
+        let Some(InRun { opened, .. }) = &self.project else { return settings };
+        let ProjectLimits { voltage_v, deflection_rad, .. } = opened.project.limits;
         let least = |present: f64, limit: Option<f64>| limit.map_or(present, |limit| present.min(limit));
         kernel::Settings {
             voltage_limit_v: least(settings.voltage_limit_v, voltage_v),
@@ -60,7 +98,7 @@ impl Asked {
     /// Returns: the folder, if it was made.
     /// Errors: a folder that cannot be made.
     pub fn make_folder(&self) -> Result<Option<PathBuf>, Failure> {
-        let of_project = self.project.as_ref().map(|opened| opened.folder.join(RUNS));
+        let of_project = self.project.as_ref().map(|project| project.opened.folder.join(RUNS));
         let Some(folder) = of_project.filter(|folder| self.arguments.out.parent() == Some(folder) && !folder.is_dir())
         else {
             return Ok(None);
@@ -80,11 +118,20 @@ const RUNS: &str = "runs";
 struct NoRuns(io::Error);
 
 /// The project's word where the command line says nothing.
-fn adopt(arguments: &mut cli::Run, opened: &Opened, given: &cli::Given<cli::Run>) {
+///
+/// Errors: a port or an address that is none.
+fn adopt(arguments: &mut cli::Run, opened: &Opened, given: &cli::Given<cli::Run>) -> Result<(), Failure> {
     let (project, run, limits) = (&opened.project, &opened.project.run, &opened.project.limits);
     let link = &mut arguments.link;
     let degrees = |rad: Option<f64>| rad.map(f64::to_degrees);
-    fill(given, "port", &mut link.port, run.port.clone());
+    if let Some(text) = run.port.as_ref().filter(|_| !given.states("port")) {
+        parsed::<Port>(opened, "port", text)?;
+        link.port.clone_from(text);
+    }
+    if let Some(text) = run.scope.as_ref().filter(|_| !given.states("scope")) {
+        arguments.scope.scope = Some(parsed(opened, "scope", text)?);
+    }
+    fill(given, "scope_token_file", &mut arguments.scope.scope_token_file, run.scope_token_file.clone().map(Some));
     fill(given, "hold", &mut link.hold, run.hold_s);
     fill(given, "core", &mut link.core, run.core.map(Some));
     fill(given, "sign_check", &mut link.sign_check, run.sign_check_v);
@@ -96,6 +143,15 @@ fn adopt(arguments: &mut cli::Run, opened: &Opened, given: &cli::Given<cli::Run>
     fill(given, "home", &mut arguments.home, run.home);
     fill(given, "wait", &mut arguments.wait, run.wait);
     fill(given, "out", &mut arguments.out, Some(free_name(&opened.folder.join(RUNS), now_unix_ns())));
+    Ok(())
+}
+
+/// A word of the table `run`.
+///
+/// Errors: one that is none, with its place.
+fn parsed<T: FromStr<Err: Error + 'static>>(opened: &Opened, key: &str, text: &str) -> Result<T, Failure> {
+    let tried = || format!("use run.{key} at {}", place_of(&opened.file, &["run", key]));
+    text.parse().map_err(|error| Failure::while_trying(tried())(error))
 }
 
 /// Puts the project's value where the command line has none.

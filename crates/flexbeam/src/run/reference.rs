@@ -66,6 +66,11 @@ impl AskedReference {
         }
     }
 
+    /// Its file.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
     /// The reference itself, its file read.
     ///
     /// Errors: a file that cannot be read, or has another period.

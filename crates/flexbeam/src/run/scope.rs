@@ -1,6 +1,6 @@
 //! The scope of a run: `--scope`.
 
-use flexbeam_files::{Panel, RunHeader, Scope, ScopeKind, Screen};
+use flexbeam_files::{CertificateFigure, CertificateSummary, Controller, RunHeader};
 use flexbeam_runtime::scope::{About, ScopeServer, Token};
 use flexbeam_runtime::{Session, Sink, Steering};
 
@@ -38,40 +38,38 @@ pub fn admit(scope: Option<&ScopeServer>, session: &Session, steering: &Steering
     }
 }
 
-/// What is shown where no project says otherwise.
-pub fn default_screen() -> Screen {
-    let scope = |title: &str, signals: &[&str]| Scope {
-        title: title.into(),
-        kind: ScopeKind::Time,
-        signals: signals.iter().map(|signal| (*signal).into()).collect(),
-        span_s: 10.0,
-        range: None,
-        trigger: None,
+/// The certificate of the loop that runs: the sampled one. `unverified` is why it runs although a figure broke.
+pub fn certificate(file: &Controller, unverified: Option<&str>) -> CertificateSummary {
+    let (whole, sampled) = (&file.certificate, &file.certificate.sampled);
+    let figure = |label: &str, value: f64, unit: &str, note: &str| CertificateFigure {
+        label: label.into(),
+        value: Some(value).filter(|value| value.is_finite()),
+        unit: unit.into(),
+        note: note.into(),
     };
-    let panel = |title: &str, settings: &[&str]| Panel {
-        title: title.into(),
-        settings: settings.iter().map(|key| (*key).into()).collect(),
-        ranges: Default::default(),
-    };
-    Screen {
-        scopes: vec![
-            scope("Tip angle", &["reference_rad", "psi_rad", "y_model_rad"]),
-            scope("Voltage", &["voltage_v", "u_v"]),
-            scope("Deflection", &["alpha_rad"]),
-        ],
-        panels: vec![
-            panel(
-                "Reference",
-                &[
-                    "reference.shape",
-                    "reference.amplitude_rad",
-                    "reference.offset_rad",
-                    "reference.period_s",
-                    "smooth_ticks",
-                ],
-            ),
-            panel("Law", &["law", "u_p_plus_v", "u_p_minus_v", "eps_u_v", "eps_e_rad"]),
-            panel("Limits", &["voltage_limit_v", "deflection_limit_rad", "theta_limit_rad", "theta_step_limit_rad"]),
-        ],
+    let error = whole.stationary_error_rad.map(|error_rad| {
+        figure("Stationary error", error_rad.to_degrees(), "°", "largest, under the residual voltage of the law")
+    });
+    let figures = [
+        figure(
+            "Robust radius",
+            sampled.robust_radius.0,
+            "",
+            "in units of the uncertainty: some controller survives it",
+        ),
+        figure("Bound norm", sampled.bound_norm, "", "at most 1: this controller survives the whole uncertainty"),
+        figure("Stability degree", sampled.stability_degree, "1/s", "every motion dies out at least so fast"),
+        figure("Stiffness", sampled.stiffness.0, "V/rad", "voltage for a standing error"),
+    ];
+    let margins = [
+        figure("Gain margin", sampled.gain_margin.0, "", "factor by which the gain may grow"),
+        figure("Phase margin", sampled.phase_margin_rad.0.to_degrees(), "°", "by which the phase may lag"),
+        figure("Delay margin", sampled.delay_margin_s.0 * 1e3, "ms", "that may be added"),
+        figure("Disk margin", sampled.disk_margin.0, "", "gain and phase together"),
+    ];
+    CertificateSummary {
+        holds: unverified.is_none(),
+        note: unverified.map_or_else(String::new, |reason| format!("run unverified: {reason}")),
+        figures: figures.into_iter().chain(error).chain(margins).collect(),
     }
 }

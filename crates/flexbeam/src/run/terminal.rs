@@ -39,6 +39,8 @@ pub struct About {
     pub controller: String,
     /// The rig.
     pub port: String,
+    /// Where the scope is, with its token.
+    pub scope: Option<String>,
 }
 
 /// Whether there is a terminal to draw on and to read keys from; a dumb one is none.
@@ -154,6 +156,7 @@ impl<'a> View<'a> {
         Picture {
             controller: self.about.controller.clone(),
             port: self.about.port.clone(),
+            scope: self.about.scope.clone(),
             period_s: *period_s,
             phase: controls.phase(),
             reading: latest.get().map(|sample| self.reading(&sample, &live)),

@@ -3,6 +3,7 @@
 Prints tables for the book. The run is the real one at 1 kHz, the browser Debian's Chromium without a screen or a graphics card.
 """
 
+import json
 import os
 import sys
 import tempfile
@@ -39,15 +40,13 @@ RECORD_FRAMES = """async seconds => {
 
 def project(program, folder, scopes):
     """A project whose page shows so many scopes of all ten signals."""
-    program.done(f"new {folder}")
-    path = os.path.join(program.folder, folder, "flexbeam.toml")
-    with open(path) as file:
-        head = file.read().split("\n[[")[0]
-    with open(path, "w") as file:
-        file.write(head + "\n")
-        for k in range(scopes):
-            file.write(f'\n[[scope]]\ntitle = "Ten {k + 1}"\nsignals = {TEN!r}\nspan_s = 10.0\n'.replace("'", '"'))
-        file.write('\n[[panel]]\ntitle = "Reference"\nsettings = ["reference.amplitude_rad"]\n')
+    bench = Program(program.program, program.path(folder))
+    bench.controller()
+    text = 'schema = "flexbeam.project/1"\ncontroller = "controller.toml"\n'
+    for k in range(scopes):
+        text += f'\n[[scope]]\ntitle = "Ten {k + 1}"\nsignals = {json.dumps(TEN)}\nspan_s = 10.0\n'
+    with open(bench.path("flexbeam.toml"), "w") as file:
+        file.write(text + '\n[[panel]]\ntitle = "Reference"\nsettings = ["reference.amplitude_rad"]\n')
 
 
 def frames(program, browser):

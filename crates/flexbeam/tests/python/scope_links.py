@@ -21,9 +21,7 @@ def a_reload_in_the_middle_brings_everything_back(program, browser):
     viewer.goes_on()
     assert viewer.held()["tick"][0] == oldest, "the history is back"
     expect(viewer.page.get_by_text("You are in control.")).to_be_visible()
-    viewer.drag("Amplitude in °", 0.6)
-    dragged = float(viewer.slider("Amplitude in °").input_value())
-    viewer.until("it still steers", lambda: abs(abs(viewer.figure("Reference in °")) - dragged) < 0.01)
+    viewer.follows(viewer.drag("Amplitude in °", 0.6))
     viewer.shot("link_reloaded")
     viewer.press("Stop")
     assert run.status() == 0

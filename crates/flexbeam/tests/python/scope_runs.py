@@ -32,19 +32,16 @@ def a_run_is_started_changed_and_stopped(program, browser):
     viewer.shows("Reference in °", 30.0, 0.005)
     viewer.shows("Tip angle in °", 30.0, 3.0)
     viewer.until("a trace of the tip", lambda: viewer.inked("Tip angle", "psi_rad") > 100)
-    before = float(viewer.slider(AMPLITUDE).input_value())
-    viewer.drag(AMPLITUDE, 0.8)
-    dragged = float(viewer.slider(AMPLITUDE).input_value())
-    assert dragged > before + 1
-    viewer.until("the reference follows the mouse", lambda: abs(abs(viewer.figure("Reference in °")) - dragged) < 0.01)
+    dragged = viewer.drag(AMPLITUDE, 0.6)
+    assert dragged > 31
+    viewer.follows(dragged)
     viewer.slider(AMPLITUDE).focus()
-    for _ in range(4):
-        viewer.page.keyboard.press("ArrowLeft")
-    viewer.until("the keys act", lambda: float(viewer.slider(AMPLITUDE).input_value()) < dragged - 0.1)
-    stepped = float(viewer.slider(AMPLITUDE).input_value())
-    viewer.until("the reference follows the keys", lambda: abs(abs(viewer.figure("Reference in °")) - stepped) < 0.01)
-    viewer.page.get_by_text("None", exact=True).click()
-    viewer.until("the law is changed", lambda: viewer.page.get_by_label("None", exact=True).is_checked())
+    stepped = viewer.step(AMPLITUDE, "ArrowLeft", 4)
+    assert stepped < dragged
+    viewer.follows(stepped)
+    law = viewer.page.get_by_role("group", name="Law").get_by_role("radio", name="None")
+    law.check()
+    expect(law).to_be_checked()
     viewer.goes_on(1500)
     viewer.shot("run_changed")
     viewer.press("Stop")
@@ -127,11 +124,9 @@ def the_keyboard_alone_starts_changes_and_stops(program, browser):
     viewer.reads("Running")
     viewer.tab_to(AMPLITUDE)
     viewer.shot("keyboard_slider")
-    for _ in range(5):
-        viewer.page.keyboard.press("ArrowRight")
-    stepped = float(viewer.slider(AMPLITUDE).input_value())
+    stepped = viewer.step(AMPLITUDE, "ArrowRight", 5)
     assert stepped > 30.0
-    viewer.until("the reference follows", lambda: abs(abs(viewer.figure("Reference in °")) - stepped) < 0.01)
+    viewer.follows(stepped)
     viewer.tab_to("Stop", backwards=True)
     viewer.page.keyboard.press("Enter")
     assert run.status() == 0

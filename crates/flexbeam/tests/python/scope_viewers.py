@@ -141,9 +141,8 @@ def control_is_asked_for_refused_and_given(program, browser):
     assert first.button("Start").is_disabled()
     second.press("Start")
     first.reads("Running")
-    second.drag("Amplitude in °", 0.7)
-    dragged = float(second.slider("Amplitude in °").input_value())
-    first.until("the other page sees it", lambda: abs(float(first.slider("Amplitude in °").input_value()) - dragged) < 0.01)
+    dragged = second.drag("Amplitude in °", 0.7)
+    first.until("the other page sees it", lambda: first.reading("Amplitude in °") == dragged)
     first.press("Stop")
     assert run.status() == 0
     for viewer in [first, second]:

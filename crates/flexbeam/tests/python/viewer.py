@@ -92,32 +92,54 @@ class Viewer:
     def entry(self, name):
         return self.page.get_by_role("textbox", name=name, exact=True)
 
+    def reading(self, name):
+        """What stands in a setting's entry, in the unit shown."""
+        return float(self.entry(name).input_value().replace("\u2212", "-"))
+
     def drag(self, name, share):
-        """Takes a slider's thumb with the mouse and lets it go at a share of the way from its left end."""
+        """Takes a slider's thumb with the mouse and lets it go at a share of the way from its left end. Returns the value shown."""
         slider = self.slider(name)
         slider.scroll_into_view_if_needed()
         low, high, now = (float(slider.evaluate(f"one => one.{end}")) for end in ["min", "max", "value"])
+        # Moves of the mouse are handled with the next frame; `change` comes after the last of them.
+        slider.evaluate("one => { one.let_go = new Promise(done => one.addEventListener('change', done, {once: true})); }")
         box, mouse = slider.bounding_box(), self.page.mouse
         at = lambda share: (box["x"] + 8 + share * (box["width"] - 16), box["y"] + box["height"] / 2)
         mouse.move(*at((now - low) / (high - low)))
         mouse.down()
         mouse.move(*at(share), steps=12)
         mouse.up()
+        slider.evaluate("one => one.let_go.then(() => 0)")
+        return self.reading(name)
+
+    def step(self, name, key, times):
+        """Presses a key on the slider that has the focus, and sees each one act. Returns the value shown."""
+        for _ in range(times):
+            before = self.reading(name)
+            self.page.keyboard.press(key)
+            self.until(f"{key} acts on {name}", lambda: self.reading(name) != before)
+        return self.reading(name)
 
     def tab_to(self, name, backwards=False):
         """Goes to a control by the Tab key alone; its focus is to be seen."""
         names = []
         for _ in range(120):
             self.page.keyboard.press("Shift+Tab" if backwards else "Tab")
-            focus = self.ask("""() => {
-                const one = document.activeElement, {outlineStyle, outlineWidth} = getComputedStyle(one);
-                return [one.ariaLabel ?? one.textContent.trim(), outlineStyle !== "none" && parseFloat(outlineWidth) > 0, one.type];
-            }""")
+            focus = self.ask("() => [document.activeElement.ariaLabel ?? document.activeElement.textContent.trim(), document.activeElement.type]")
             names.append(focus[0])
-            if focus[0] == name and focus[2] != "text":
-                assert focus[1], f"no outline around {name}"
-                return
+            if focus[0] == name and focus[1] != "text":
+                return self._has_a_ring(name)
         raise AssertionError(f"Tab never came to {name}, but to {names}")
+
+    def _has_a_ring(self, name):
+        """The control with the focus looks other without it."""
+        box = self.page.locator(":focus").bounding_box()
+        clip = {"x": box["x"] - 6, "y": box["y"] - 6, "width": box["width"] + 12, "height": box["height"] + 12}
+        control = self.page.evaluate_handle("() => document.activeElement")
+        focused = self.page.screenshot(clip=clip)
+        control.evaluate("one => one.blur()")
+        assert self.page.screenshot(clip=clip) != focused, f"{name} with the focus looks as without"
+        control.evaluate("one => one.focus({focusVisible: true})")
 
     # What the page holds.
 
@@ -140,6 +162,10 @@ class Viewer:
     def newest(self):
         """The newest tick that the page has; NaN when none."""
         return self.ask("() => window.flexbeam.store?.last ?? NaN")
+
+    def follows(self, shown):
+        """Waits until a square reference has this amplitude, in degrees, to the last digit shown."""
+        self.until(f"an amplitude of {shown}°", lambda: abs(abs(self.figure("Reference in °")) - shown) < 0.001)
 
     def goes_on(self, ticks=300):
         """Waits for so many more samples."""

@@ -17,6 +17,8 @@ pub struct Picture {
     pub controller: String,
     /// The rig.
     pub port: String,
+    /// Where the scope is.
+    pub scope: Option<String>,
     /// Sample period [s].
     pub period_s: f64,
     /// Where the run stands.

@@ -32,10 +32,14 @@ pub fn draw(frame: &mut Frame<'_>, picture: &Picture) {
         frame.render_widget(Paragraph::new(short(picture)), area);
         return;
     }
-    let (strip_rows, event_rows) = shares(area.height - FIXED);
-    let rows = [1, READINGS, strip_rows, 1 + SETTINGS, 1, event_rows, 1].map(Constraint::Length);
-    let [head_at, readings_at, strip_at, settings_at, rule_at, events_at, keys_at] = Layout::vertical(rows).areas(area);
+    let scope = picture.scope.as_ref().filter(|_| area.height > SMALLEST.1);
+    let scope_rows = u16::from(scope.is_some());
+    let (strip_rows, event_rows) = shares(area.height - FIXED - scope_rows);
+    let rows = [1, scope_rows, READINGS, strip_rows, 1 + SETTINGS, 1, event_rows, 1].map(Constraint::Length);
+    let [head_at, scope_at, readings_at, strip_at, settings_at, rule_at, events_at, keys_at] =
+        Layout::vertical(rows).areas(area);
     head(frame, head_at, picture);
+    frame.render_widget(scope.map_or(Line::default(), |url| Line::from(format!("scope {url}"))), scope_at);
     frame.render_widget(Paragraph::new(readings(picture, area.width)), readings_at);
     if strip_rows > 0 {
         strip(frame, strip_at, picture);
@@ -269,6 +273,7 @@ mod tests {
         Picture {
             controller: "controller.toml".into(),
             port: "udp:192.168.1.7:4810".into(),
+            scope: None,
             period_s: 0.001,
             phase: Phase::Running,
             reading: Some(reading),
@@ -352,10 +357,19 @@ mod tests {
         assert_eq!(drawn(&picture(), 60, 18), expected);
     }
 
+    #[test]
+    fn the_scope_has_a_line_where_there_is_room() {
+        let url = "http://127.0.0.1:8787/#abcdefghijklmnopqrstuvwxyz";
+        let picture = Picture { scope: Some(url.into()), ..picture() };
+        assert_eq!(drawn(&picture, 80, 24)[1], format!("scope {url}"));
+        assert_eq!(drawn(&picture, 60, 19)[1], format!("scope {url}"));
+        assert!(!drawn(&picture, 60, 18).concat().contains("scope"), "the events are more");
+    }
+
     /// A terminal of any size shows how the run is stopped, as far as it has room for words.
     #[test]
     fn every_size_is_drawn() {
-        let picture = picture();
+        let picture = Picture { scope: Some("http://127.0.0.1:8787/#token".into()), ..picture() };
         for (width, height) in (1..=130).step_by(3).flat_map(|w| (1..=50).map(move |h| (w, h))) {
             let rows = drawn(&picture, width, height);
             if width >= 28 && height >= 2 {
