@@ -16,7 +16,9 @@ function wave(n, skip = () => false) {
 }
 
 function canvasOf(width = WIDTH) {
-  return Object.assign(document.createElement("canvas"), { width, height: HEIGHT }).getContext("2d", { willReadFrequently: true });
+  return Object.assign(document.createElement("canvas"), { width, height: HEIGHT }).getContext("2d", {
+    willReadFrequently: true,
+  });
 }
 
 /** First and last painted row of every column; null where nothing is painted. */
@@ -66,7 +68,11 @@ export function gapsStayEmpty() {
     const context = canvasOf();
     drawColumns(context, store, { origin: 0, width }, [LOOK], 1.75, 0, WIDTH, (k) => k);
     const found = painted(context);
-    same(found.slice(103, 137).every((rows) => rows === null), true, `${width} samples a column: nothing in the gap`);
+    same(
+      found.slice(103, 137).every((rows) => rows === null),
+      true,
+      `${width} samples a column: nothing in the gap`,
+    );
     same(found.slice(0, 98).concat(found.slice(143)).every(Boolean), true, `${width} samples a column: all else is there`);
   }
 }
@@ -79,7 +85,10 @@ export function dashesLeaveOutFlatPartsOnly() {
     drawColumns(context, store, { origin: shift, width: 10 }, [{ ...LOOK, dashed: true }], 1.5, 0, 290, (k) => k);
     const found = painted(context).slice(0, 290);
     const steps = found.filter((rows) => rows && rows[1] - rows[0] > 40).length;
-    check(steps >= 5 && steps <= 10, `shift ${shift}: found ${steps} columns with an upright line, needed one or two for each of 5 steps`);
+    check(
+      steps >= 5 && steps <= 10,
+      `shift ${shift}: found ${steps} columns with an upright line, needed one or two for each of 5 steps`,
+    );
     check(found.filter((rows) => rows === null).length > 40, `shift ${shift}: found no dashes`);
   }
 }
