@@ -113,3 +113,21 @@ export function stripsMakeTheSamePictureAsOneStroke() {
     check(off < 0.002 * WIDTH * HEIGHT, `${width} samples a column: ${off} pixels differ`);
   }
 }
+
+export function samplesThatComeLaterAreDrawnToo() {
+  const { rows } = wave(3000);
+  const store = new Store({ signals: SIGNALS, period_s: 0.001 });
+  const scale = { origin: 0, width: 9.7 };
+  const draw = (target, a, b, x) => drawColumns(target, store, scale, [LOOK], 1.75, a - 2, b + 2, x);
+  const layer = new TraceLayer();
+  for (let k = 0; k < rows.length; k += 33) {
+    store.push(frameOf(rows.slice(k, k + 33)));
+    layer.update("key", 0, Math.floor(store.last / scale.width) - 4, WIDTH, HEIGHT, draw);
+  }
+  const [context, whole] = [canvasOf(), canvasOf()];
+  layer.show(context, 0, 0);
+  draw(whole, 0, WIDTH, (k) => k);
+  const [a, b] = [context, whole].map(painted);
+  const off = a.filter((rowsOf, k) => JSON.stringify(rowsOf) !== JSON.stringify(b[k])).length;
+  check(off < 0.05 * WIDTH, `${off} columns differ`);
+}

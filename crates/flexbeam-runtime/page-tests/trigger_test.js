@@ -31,8 +31,8 @@ export function eachEdgeHasItsOwnCrossings() {
 
 export function nextCrossingWaitsUntilTheLastIsShown() {
   // Crossings at about 4, 104, 204, ...; 0.9 of 150 ticks are shown after one.
-  const at = new Trigger(WANTED).update(storeOf(sine(450)), 150);
-  near(at, 400 + (Math.asin(0.25) / (2 * Math.PI)) * 100, 0.01, "every other one");
+  const at = new Trigger(WANTED).update(storeOf(sine(350)), 150);
+  near(at, 200 + (Math.asin(0.25) / (2 * Math.PI)) * 100, 0.01, "every other one");
 }
 
 export function framesMakeNoDifference() {
