@@ -297,7 +297,7 @@ export class TraceLayer {
   /** Draws columns [a, b), in two pieces where the ring begins anew. */
   strip(a, b, draw) {
     const { width, height } = this.canvas;
-    for (let from = a; from < b; ) {
+    for (let from = a; from < b;) {
       const slot = ((from % width) + width) % width;
       const to = Math.min(b, from - slot + width);
       this.context.save();

@@ -45,7 +45,11 @@ export function picture(name) {
 
 /** A button with a picture and a name that is read out and shown as a tip. */
 export function tool(name, label, onclick, pressed) {
-  const button = element("button", { type: "button", class: "scope-tool", "aria-label": label, title: label, onclick }, picture(name));
+  const button = element(
+    "button",
+    { type: "button", class: "scope-tool", "aria-label": label, title: label, onclick },
+    picture(name),
+  );
   if (pressed !== undefined) button.setAttribute("aria-pressed", pressed);
   return button;
 }

@@ -3,13 +3,18 @@
 
 import { element } from "./scope_parts.js";
 
-
 export class Readings {
   constructor() {
     this.rows = element("tbody");
     this.note = element("caption");
     this.head = element("tr");
-    this.element = element("table", { class: "scope-readings", hidden: true }, this.note, element("thead", {}, this.head), this.rows);
+    this.element = element(
+      "table",
+      { class: "scope-readings", hidden: true },
+      this.note,
+      element("thead", {}, this.head),
+      this.rows,
+    );
   }
 
   /**
