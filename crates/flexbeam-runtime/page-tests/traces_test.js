@@ -129,7 +129,8 @@ export function samplesThatComeLaterAreDrawnToo() {
   draw(whole, 0, WIDTH, (k) => k);
   const [a, b] = [context, whole].map(painted);
   // A stroke that begins elsewhere may smooth its edges into the next row.
-  const like = (one, other) => one === other || (one && other && Math.abs(one[0] - other[0]) <= 1 && Math.abs(one[1] - other[1]) <= 1);
+  const like = (one, other) =>
+    one === other || (one && other && Math.abs(one[0] - other[0]) <= 1 && Math.abs(one[1] - other[1]) <= 1);
   const off = a.flatMap((rowsOf, k) => (like(rowsOf, b[k]) ? [] : [`${k}: ${rowsOf} and ${b[k]}`]));
   same(off, [], "columns that differ");
 }
