@@ -128,6 +128,9 @@ export function samplesThatComeLaterAreDrawnToo() {
   layer.show(context, 0, 0);
   draw(whole, 0, WIDTH, (k) => k);
   const [a, b] = [context, whole].map(painted);
-  const off = a.filter((rowsOf, k) => JSON.stringify(rowsOf) !== JSON.stringify(b[k])).length;
-  check(off < 0.05 * WIDTH, `${off} columns differ`);
+  // A stroke that begins elsewhere may smooth its edges into the next row.
+  const like = (one, other) =>
+    one === other || (one && other && Math.abs(one[0] - other[0]) <= 1 && Math.abs(one[1] - other[1]) <= 1);
+  const off = a.flatMap((rowsOf, k) => (like(rowsOf, b[k]) ? [] : [`${k}: ${rowsOf} and ${b[k]}`]));
+  same(off, [], "columns that differ");
 }
