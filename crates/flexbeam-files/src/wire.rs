@@ -148,7 +148,7 @@ fn put(request: &mut Value, key: &str, value: Value) -> Result<(), String> {
     let parts: Vec<&str> = key.trim().splitn(MOST_PARTS + 1, '.').collect();
     let path = if parts[0] == "reference" { parts } else { [&["settings"], parts.as_slice()].concat() };
     if path.len() > MOST_PARTS {
-        return Err(format!("{key:?} of more than {MOST_PARTS} parts"));
+        return Err(format!("a key of more than {MOST_PARTS} parts"));
     }
     *place(request, &path).ok_or_else(|| format!("{key:?} below a value"))? = value;
     Ok(())

@@ -1,11 +1,14 @@
-//! The loop's thread allocates nothing and meets no page fault after its first tick, with a recorder and changes of settings
-//! beside it. Counted, on the real clock.
+//! The loop's thread allocates nothing and meets no page fault after its first tick, with a recorder, changes of settings and a
+//! scope with a viewer beside it. Counted, on the real clock.
 
 mod scripted;
+#[path = "support/scope.rs"]
+#[allow(dead_code, reason = "each test uses a part")]
+mod support;
 
 use flexbeam_rig::SimulatedRig;
 use flexbeam_runtime::back_end::{Answer, BackEnd, Counters, Cutoff, LinkFault, OpenError, Timing};
-use flexbeam_runtime::{Monotonic, Session, Setup, SimulatedBackEnd};
+use flexbeam_runtime::{Latest, Monotonic, Session, Setup, SimulatedBackEnd, Sink, Steering};
 use scripted::{Ear, open_loop, simulated};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -87,13 +90,21 @@ fn allocations(rig: SimulatedRig, plant_an_allocation: bool) -> (u64, flexbeam_r
     let setup = Setup { duration_s: Some(0.8), hold_s: 10.0, ..open_loop(1.0) };
     let rig = Marked { rig: SimulatedBackEnd::new(rig).unwrap(), plant_an_allocation };
     let ear = Ear::default();
-    let session = Session::arm_on(Monotonic, Box::new(rig), setup, vec![Box::new(ear.clone())]).unwrap();
+    let (server, latest) = (support::server(support::about(None)), Latest::default());
+    let sinks: Vec<Box<dyn Sink>> =
+        vec![Box::new(ear.clone()), Box::new(latest.clone()), Box::new(server.sink(&support::header(1e-3)))];
+    let mut viewer = support::enter(&server, serde_json::json!({}));
+    let watching = std::thread::spawn(move || viewer.closed());
+    let session = Session::arm_on(Monotonic, Box::new(rig), setup, sinks).unwrap();
+    let (controls, live) = (session.controls.clone(), session.live.clone());
+    server.steer(Steering { controls, live, latest, period_s: 1e-3 }, session.notes());
     let locked = session.standing.memory.is_ok();
     for k in 0..50 {
         session.live.change(|live| live.settings.eps_u_v = 0.1 + 1e-3 * f64::from(k)).unwrap();
         std::thread::sleep(Duration::from_millis(10));
     }
     let outcome = session.finish();
+    assert_eq!(watching.join().unwrap(), 1000, "the viewer saw it to the end");
     assert!(ear.0.lock().unwrap().settings.len() > 5);
     (COUNTED.load(Ordering::SeqCst), outcome, locked)
 }

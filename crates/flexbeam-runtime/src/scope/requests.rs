@@ -9,6 +9,9 @@ use flexbeam_files::{Deed, Knob, PageMessage, Request, Screen, SettingValue, req
 use std::collections::BTreeMap;
 use std::sync::atomic::Ordering;
 
+/// Of keys that nobody knows, in an answer [characters].
+const LONGEST_KEYS: usize = 200;
+
 /// Why nothing was done.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum NotDone {
@@ -20,9 +23,14 @@ pub(super) enum NotDone {
     NotArmed,
     /// What the table of settings has to say.
     #[error(
-        "found a viewer's change that no setting takes ({0}), needed the keys of the panels\nhint: a word for law and reference.shape, a number for all others"
+        "found a change of {keys} that no setting takes ({reason}), needed keys and values of settings\nhint: a word for law and reference.shape, a number for all others"
     )]
-    NoSetting(String),
+    NoSetting {
+        /// What was to be changed.
+        keys: String,
+        /// In serde's words.
+        reason: String,
+    },
     /// A message with a number, and nothing else that is known.
     #[error("found a message that is none ({0}), needed one of the scope's protocol\nhint: load the page again")]
     NoMessage(String),
@@ -93,7 +101,10 @@ impl Hall {
     fn set(&self, id: u64, values: &BTreeMap<String, SettingValue>) -> Result<(), NotDone> {
         self.seats(|seats, now| seats.check_control(now, id))?;
         let steering = self.armed()?;
-        let request: Request = request_of_values(values).map_err(NotDone::NoSetting)?;
+        let keys =
+            || values.keys().map(String::as_str).collect::<Vec<_>>().join(", ").chars().take(LONGEST_KEYS).collect();
+        let request: Request =
+            request_of_values(values).map_err(|reason| NotDone::NoSetting { keys: keys(), reason })?;
         let live = steering.live.current();
         self.knobs(&live).iter().try_for_each(|knob| within(knob, values.get(&knob.key)))?;
         let reply = steering.obey(&request);
