@@ -6,7 +6,7 @@ use crate::fault::Fault;
 use crate::misfit::Misfit;
 use crate::model::{out_of_range, positive};
 use crate::provenance::Provenance;
-use crate::run_file::RunShape;
+use crate::run_file::{RunShape, SettingValue, by_key};
 use crate::screen::{Panel, Scope, Screen};
 use crate::settings::Settings;
 use serde::{Deserialize, Serialize};
@@ -140,6 +140,12 @@ impl Project {
             reference: ProjectReference { file: join(project.reference.file), ..project.reference },
             ..project
         })
+    }
+
+    /// What its tables `run`, `reference`, `settings` and `limits` say, each by its full key: `run.seed`.
+    pub fn stated(&self) -> Vec<(String, SettingValue)> {
+        let (run, reference) = (by_key(&self.run, "run"), by_key(&self.reference, "reference"));
+        [run, reference, by_key(&self.settings, "settings"), by_key(&self.limits, "limits")].concat()
     }
 
     /// Its scopes and panels.

@@ -37,4 +37,5 @@ pub use topics::RunTopic;
 pub use writer::RunWriter;
 
 pub(crate) use header::RunOrigin;
+pub(crate) use messages::by_key;
 pub(crate) use records::is_mcap;

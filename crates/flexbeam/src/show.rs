@@ -5,6 +5,7 @@
 
 mod holds;
 mod picture;
+mod project;
 mod run;
 
 use std::path::Path;
@@ -35,7 +36,7 @@ pub fn run(given: &cli::Show) -> Result<(), Failure> {
             let parameters = rig_parameters(Some(file))?;
             document(arguments, |rig: &Rig| holds::rig(rig, &parameters))
         }
-        Some(Project::SCHEMA) => document(arguments, holds::project),
+        Some(Project::SCHEMA) => document(arguments, project::project),
         Some(Note::SCHEMA) => document(arguments, holds::note),
         Some(RUN_SCHEMA) => of_run(arguments),
         Some(schema) => Err(unknown(file, schema).into()),

@@ -87,7 +87,8 @@ impl fmt::Display for SettingValue {
     }
 }
 
-fn by_key(table: &impl Serialize, name: &str) -> Vec<(String, SettingValue)> {
+/// Words and numbers of a table and those below it, each by its full key.
+pub(crate) fn by_key(table: &impl Serialize, name: &str) -> Vec<(String, SettingValue)> {
     let mut found = Vec::new();
     collect(&serde_json::to_value(table).expect("a table has string keys only"), name, &mut found);
     found
@@ -101,7 +102,8 @@ fn collect(value: &Value, name: &str, found: &mut Vec<(String, SettingValue)>) {
         Value::Number(number) => {
             found.extend(number.as_f64().map(|number| (name.into(), SettingValue::Number(number))));
         }
-        Value::Null | Value::Bool(_) | Value::Array(_) => {}
+        Value::Bool(truth) => found.push((name.into(), SettingValue::Word(truth.to_string()))),
+        Value::Null | Value::Array(_) => {}
     }
 }
 

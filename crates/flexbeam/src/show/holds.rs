@@ -1,8 +1,6 @@
 //! What each kind of file holds, in words and tables.
 
-use flexbeam_files::{
-    Certificate, ColumnSummary, Controller, LoopFigures, Model, Note, Project, RecordingSummary, Rig,
-};
+use flexbeam_files::{Certificate, ColumnSummary, Controller, LoopFigures, Model, Note, RecordingSummary, Rig};
 use flexbeam_kernel as kernel;
 use flexbeam_lti::StateSpace;
 use flexbeam_report::{Cell, Table, engineering, significant};
@@ -16,7 +14,7 @@ use crate::poles;
 pub(super) const DIGITS: usize = 5;
 
 /// Names and what stands behind them; nothing for what a file does not say.
-fn facts<'a>(rows: impl IntoIterator<Item = (&'a str, Option<String>)>) -> String {
+pub(super) fn facts<'a>(rows: impl IntoIterator<Item = (&'a str, Option<String>)>) -> String {
     let known: Vec<_> = rows.into_iter().filter_map(|(name, value)| Some((name, value?))).collect();
     let width = known.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     known.iter().map(|(name, value)| format!("{name:width$}  {value}\n")).collect()
@@ -195,18 +193,6 @@ pub(super) fn rig(rig: &Rig, found: &RigParameters) -> String {
         ("gauge noise", degrees(gauge.noise_rad)),
         ("gauge bias", degrees(gauge.bias_rad)),
         ("gauge converter", gauge.converter_step_rad.map_or(Some("exact".into()), degrees)),
-    ])
-}
-
-/// Its files.
-pub(super) fn project(project: &Project) -> String {
-    let path = |path: &Option<std::path::PathBuf>| path.as_ref().map(|path| path.display().to_string());
-    facts([
-        ("name", project.name.clone()),
-        ("rig", path(&project.rig)),
-        ("recording", path(&project.recording)),
-        ("model", path(&project.model)),
-        ("controller", path(&project.controller)),
     ])
 }
 
