@@ -71,6 +71,37 @@ export async function nothingMovesBackUnderTheHand() {
   near(Number(slider.range.value), 20, 1e-9, "at the end");
 }
 
+/** Steps of a slider by its keys. */
+function press(slider, times) {
+  for (let k = 0; k < times; k += 1) slider.range.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight", cancelable: true }));
+}
+
+export async function aStateBeforeTheLastSendingTakesNoStepBack() {
+  const { slider, values } = sliderAt(0);
+  press(slider, 1);
+  await wait(25);
+  press(slider, 1);
+  slider.update({ value: 0.5 / DEGREES, why: null });
+  slider.update({ value: 0.25 / DEGREES, why: null });
+  near(Number(slider.entry.value), 1, 1e-9, "shown");
+  press(slider, 1);
+  await wait(120);
+  near(values().at(-1) * DEGREES, 1.5, 1e-9, "three steps of half a degree");
+}
+
+export async function aReplyBeforeItsStateTakesNoStepBack() {
+  let told;
+  const slider = new Slider({ knob: KNOB, commit: async (si) => (told = { ok: true, si }) });
+  document.body.replaceChildren(slider.element);
+  slider.update({ value: 0, why: null });
+  press(slider, 1);
+  await wait(80);
+  near(Number(slider.entry.value), 0.5, 1e-9, "after the reply");
+  press(slider, 1);
+  await wait(80);
+  near(told.si * DEGREES, 1, 1e-9, "two steps of half a degree");
+}
+
 export async function whatIsTypedIsSentToTheLastDigit() {
   const { slider, values } = sliderAt(0);
   type(slider, "12,3456");

@@ -70,7 +70,7 @@ export class Slider {
 
   /** Writes the value in force where nobody is changing it. */
   #show() {
-    if (this.isDragged || this.waiting > 0) return;
+    if (this.isDragged || this.waiting > 0 || this.turn) return;
     const shown = this.value * this.knob.factor;
     this.#stretch(shown);
     this.range.value = shown;
@@ -141,12 +141,15 @@ export class Slider {
     this.turn = null;
     this.sent_ms = performance.now();
     this.waiting += 1;
-    const reply = await this.commit(this.#si(this.wished));
+    const value = this.#si(this.wished);
+    const reply = await this.commit(value);
     this.waiting -= 1;
+    // The state that says so may come after the reply: until then the value before it must not come back.
+    if (reply.ok) this.value = value;
     write(this.note, reply.ok ? "" : reply.error);
     this.element.classList.toggle("refused", !reply.ok);
     if (!reply.ok) this.isDragged = false;
-    if (!this.turn) this.#show();
+    this.#show();
   }
 
   /** An end of the slider is the knob's own end, to the last bit. */

@@ -41,7 +41,26 @@ macro_rules! scenarios {
     };
 }
 
-scenarios! {}
+scenarios! {
+    a_lost_connection_comes_back_without_a_hole
+    a_page_from_elsewhere_cannot_connect
+    a_phone_scrolls_downwards_only
+    a_project_that_was_spoilt_by_hand_is_not_written_over
+    a_refused_setting_shows_its_limits
+    a_reload_in_the_middle_brings_everything_back
+    a_run_is_started_changed_and_stopped
+    a_slow_viewer_disturbs_nobody
+    axe_finds_nothing
+    control_is_asked_for_refused_and_given
+    escape_twice_is_the_emergency_stop_whatever_is_open
+    silence_gives_control_away
+    snapshots_are_what_was_measured
+    the_emergency_stop_ends_the_run_at_status_3
+    the_keyboard_alone_starts_changes_and_stops
+    the_next_run_at_the_same_address_is_seen_without_a_reload
+    the_page_saves_and_the_next_run_is_as_it_was
+    without_the_token_nothing_changes
+}
 
 #[test]
 fn no_scenario_is_left_out() {
