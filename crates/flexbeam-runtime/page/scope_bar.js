@@ -1,7 +1,8 @@
 // The tools of a scope: span, pause, cursors, zoom back, trigger, settings, snapshots, place on the page.
 // Enters: the card that they act on. Leaves: a toolbar that shows what is on.
 
-import { element, menu, retool, tool } from "./scope_parts.js";
+import { element } from "./element.js";
+import { menu, retool, tool } from "./scope_parts.js";
 
 /** Spans on offer [s]. */
 const SPANS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1800, 3600];

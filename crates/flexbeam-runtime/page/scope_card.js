@@ -9,7 +9,7 @@ import { TimeChart } from "./chart_time.js";
 import { themeChanged } from "./colours.js";
 import { ScopeBar, spanText } from "./scope_bar.js";
 import { Legend } from "./scope_legend.js";
-import { element } from "./scope_parts.js";
+import { element } from "./element.js";
 import { Readings } from "./scope_readings.js";
 import { ScopeSheet } from "./scope_sheet.js";
 import { takeSnapshot } from "./snapshot.js";

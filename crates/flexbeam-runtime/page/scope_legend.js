@@ -3,7 +3,7 @@
 
 import { quantity, readingDecimals } from "./chart_ticks.js";
 import { colourOf, dashed } from "./colours.js";
-import { element } from "./scope_parts.js";
+import { element } from "./element.js";
 
 export class Legend {
   /**

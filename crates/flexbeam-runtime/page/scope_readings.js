@@ -1,7 +1,7 @@
 // The table of what the cursors read.
 // Enters: a heading and rows as text. Leaves: a table of the page, hidden when the cursors are.
 
-import { element } from "./scope_parts.js";
+import { element } from "./element.js";
 
 export class Readings {
   constructor() {

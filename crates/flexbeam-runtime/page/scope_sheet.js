@@ -3,7 +3,7 @@
 
 import { unitsOf } from "./chart_signals.js";
 import { colourOf } from "./colours.js";
-import { element } from "./scope_parts.js";
+import { element } from "./element.js";
 
 const KINDS = [
   ["time", "Time"],
