@@ -1,4 +1,4 @@
-//! The scope page in real Chromium: each scenario of `python/scope_*.py` by itself.
+//! The scope page in real Chromium: its own tests, and each scenario of `python/scope_*.py` by itself.
 //!
 //! Nothing here asserts a time: the machine may stall.
 
@@ -13,19 +13,23 @@ fn shots() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).parent().expect("the target folder").join("scope-shots")
 }
 
-/// What the script says; nothing without a Python.
-fn script(words: &[&str]) -> Option<String> {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/python/scope_page.py");
+/// What a script says, in a folder of its own; nothing without a Python.
+fn said(script: &str, words: &[&str]) -> Option<String> {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join(script);
     let bench = Bench::new();
     let output = Command::new(python()?)
         .args(["-B".as_ref(), script.as_os_str()])
         .args(words)
         .current_dir(bench.path(""))
+        .env("FLEXBEAM_CHROMIUM", "/usr/bin/chromium")
         .output()
         .expect("it starts");
-    assert!(output.status.success(), "{words:?}\n{}", String::from_utf8_lossy(&output.stderr));
-    Some(String::from_utf8(output.stdout).expect("text"))
+    let text = String::from_utf8(output.stdout).expect("text");
+    assert!(output.status.success(), "{words:?}\n{text}{}", String::from_utf8_lossy(&output.stderr));
+    Some(text)
 }
+
+const SCENARIOS: &str = "tests/python/scope_page.py";
 
 /// A test for each scenario, and their names.
 macro_rules! scenarios {
@@ -35,7 +39,8 @@ macro_rules! scenarios {
         $(
             #[test]
             fn $name() {
-                script(&[stringify!($name), env!("CARGO_BIN_EXE_flexbeam"), &shots().to_string_lossy()]);
+                let words = [stringify!($name), env!("CARGO_BIN_EXE_flexbeam"), &shots().to_string_lossy()];
+                said(SCENARIOS, &words);
             }
         )*
     };
@@ -64,8 +69,15 @@ scenarios! {
 
 #[test]
 fn no_scenario_is_left_out() {
-    let Some(listed) = script(&["--list"]) else { return };
+    let Some(listed) = said(SCENARIOS, &["--list"]) else { return };
     let mut names = NAMES.to_vec();
     names.sort_unstable();
     assert_eq!(listed.lines().collect::<Vec<_>>(), names);
+}
+
+/// Store, plots, triggers, frames, sliders: the modules of the page by themselves, in the browser that they run in.
+#[test]
+fn the_modules_of_the_page_pass_their_own_tests() {
+    let Some(text) = said("../flexbeam-runtime/page-tests/run.py", &[]) else { return };
+    assert!(text.lines().filter(|line| line.starts_with("ok ")).count() > 50, "{text}");
 }

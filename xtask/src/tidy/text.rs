@@ -124,7 +124,7 @@ fn lints(file: &File) -> Option<String> {
 }
 
 fn is_source(file: &File) -> bool {
-    file.path.ends_with(".rs")
+    [".rs", ".js", ".css"].iter().any(|ending| file.path.ends_with(ending))
 }
 
 fn is_test(file: &File) -> bool {
@@ -157,6 +157,7 @@ mod tests {
         assert_eq!(planted("crates/a/src/x.rs", body.clone() + "//\n").len(), 1);
         assert_eq!(planted("crates/a/src/x.rs", body[18..].to_owned() + &tests), [""; 0]);
         assert_eq!(planted("crates/a/src/x.rs", body.clone() + &tests + "// after the tests\n").len(), 1);
+        assert_eq!(planted("crates/a/page/x.js", body.clone() + "//\n").len(), 1);
         assert_eq!(planted("crates/a/tests/x.rs", body.repeat(2)), [""; 0]);
         assert_eq!(planted("book/src/x.md", body.repeat(2)), [""; 0]);
     }

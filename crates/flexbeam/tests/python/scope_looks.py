@@ -35,7 +35,7 @@ def axe_finds_nothing(program, browser):
         for size, scheme in only:
             page.set_viewport_size({"width": size[0], "height": size[1]})
             page.emulate_media(color_scheme=scheme)
-            viewer.shot(f"look_{state}_{size[0]}_{scheme}", whole=state == "running")
+            viewer.shot(f"look_{state}_{size[0]}_{scheme}")
             found.extend(f"{state}, {size[0]} px, {scheme}: {line}" for line in viewer.violations())
         page.set_viewport_size({"width": WIDE[0], "height": WIDE[1]})
 

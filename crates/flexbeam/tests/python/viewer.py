@@ -58,8 +58,8 @@ class Viewer:
         self.context.close()
         assert not self.complaints, "\n".join(self.complaints)
 
-    def shot(self, name, whole=False):
-        self.page.screenshot(path=os.path.join(self.browser.shots, f"{name}.png"), full_page=whole)
+    def shot(self, name):
+        self.page.screenshot(path=os.path.join(self.browser.shots, f"{name}.png"))
 
     # What a person reads.
 
