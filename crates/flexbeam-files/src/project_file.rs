@@ -115,7 +115,8 @@ struct Changes<'a> {
 }
 
 impl Changes<'_> {
-    /// The table with what changed since the last save; what is again as at the beginning, as the file said it then.
+    /// The table with what changed since the last save; what is again as at the beginning, as the file said it then,
+    /// or not at all.
     fn onto(&self, table: &Table) -> Table {
         let mut table = table.clone();
         let nothing = Value::Table(Table::new());
@@ -124,16 +125,23 @@ impl Changes<'_> {
                 let below = |of: &Table| of.get(key).unwrap_or(&nothing).as_table().cloned().unwrap_or_default();
                 let [said, begun, last, now] = [self.said, self.begun, self.last, self.now].map(below);
                 let inner = Changes { said: &said, begun: &begun, last: &last, now: &now }.onto(&below(&table));
-                if !inner.is_empty() {
-                    table.insert(key.clone(), Value::Table(inner));
-                }
+                put(&mut table, key, (!inner.is_empty()).then_some(Value::Table(inner)));
             } else if self.last.get(key) != Some(value) {
-                let as_said = self.said.get(key).filter(|_| self.begun.get(key) == Some(value));
-                table.insert(key.clone(), as_said.unwrap_or(value).clone());
+                let as_begun = self.begun.get(key) == Some(value);
+                let wanted = if as_begun { self.said.get(key) } else { Some(value) };
+                put(&mut table, key, wanted.cloned());
             }
         }
         table
     }
+}
+
+/// Nothing: what the file does not say.
+fn put(table: &mut Table, key: &str, wanted: Option<Value>) {
+    match wanted {
+        Some(value) => table.insert(key.into(), value),
+        None => table.remove(key),
+    };
 }
 
 fn table(project: &Project) -> Table {

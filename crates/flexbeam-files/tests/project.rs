@@ -547,3 +547,57 @@ proptest! {
         }
     }
 }
+
+/// The same things said in other spellings of TOML.
+const SPELLINGS: &[&str] = &[
+    "schema = \"flexbeam.project/1\"\nsettings.eps_u_v = 0.011 # dotted\nreference.shape = \"square\"\nsettings.theta.low_pass = 0.6\n",
+    "schema = \"flexbeam.project/1\"\n[settings]\ntheta.low_pass = 0.6 # dotted\nalpha.low_pass = 0.6\neps_u_v = 0.011",
+    "schema = \"flexbeam.project/1\"\n[settings.theta] # below\nlow_pass = 0.6\n[reference]\n# last words",
+    "schema = \"flexbeam.project/1\"\nsettings = { eps_u_v = 0.011, theta = { low_pass = 0.6 } } # inline\nreference = {}\n",
+    "schema = \"flexbeam.project/1\"\n[[scope]]\ntitle = \"Voltage\"\nsignals = [\"voltage_v\"]\n[scope.trigger] # below\nsignal = \"u_v\"\nlevel = 1\n[[panel]]\ntitle = \"Law\"\nsettings = []\n[panel.ranges]\neps_u_v = [0, 1]\n[[scope]]\ntitle = \"Tip angle\"\nsignals = []\ntrigger.signal = \"u_v\"\ntrigger.level = 0\n[settings]\neps_u_v = 0.011\n",
+    "schema = \"flexbeam.project/1\"\nscope = []\npanel = [ # none\n]\n[ \"reference\" ]\n\"shape\" = 'square'\n['settings'.'theta']\n\"low_pass\" = 0.6\n",
+    "\u{feff}schema = \"flexbeam.project/1\"\n[reference]\nshape = \"square\"\n",
+    "schema = \"flexbeam.project/1\"\n[[panel]]\ntitle = \"\"\"Law\"\"\"\nsettings = [\"law\", # one\n]\nranges.\"reference.amplitude_rad\" = [-1, 1]\nranges.eps_u_v = [0, 1] # two\n[reference]\r\nshape = \"square\"\r\n",
+];
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, rng_seed: prop::test_runner::RngSeed::Fixed(6), ..Default::default() })]
+
+    #[test]
+    fn whatever_the_spelling_what_is_saved_is_read(
+        screens in prop::collection::vec(screens(), 1..4),
+        base in 0..SPELLINGS.len(),
+        numbers in (0.0..1.0, 0.1..9.0, prop::sample::select(&[Law::None, Law::Switched, Law::Inverse][..])),
+    ) {
+        let bench = Bench::new(SPELLINGS[base]);
+        let mut live = live_of(&bench.project());
+        for screen in screens {
+            (live.settings.eps_u_v, live.reference.period_s, live.settings.law) = (Some(numbers.0), numbers.1, Some(numbers.2));
+            let saved = bench.file.save(&screen, &live);
+            prop_assert!(saved.is_ok(), "{}", saved.unwrap_err());
+            let project = bench.project();
+            prop_assert_eq!(project.screen(), screen.clone(), "{}", bench.text());
+            prop_assert_eq!(live_of(&project), live.clone(), "{}", bench.text());
+            prop_assert_eq!(bench.file.save(&screen, &live).unwrap(), Written::Unchanged);
+        }
+    }
+}
+
+/// The hub's limit goes through degrees, by which it may grow by its last bit: what nobody said is not to be saved.
+#[test]
+fn a_limit_that_is_as_at_the_beginning_again_is_not_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(Project::FILE);
+    let text = "schema = \"flexbeam.project/1\"\n[limits]\nangle_rad = 0.2\n";
+    std::fs::write(&path, text).unwrap();
+    let project = parse(text).unwrap();
+    let mut begun = live_of(&project);
+    begun.settings.theta_limit_rad = Some(0.2f64.to_degrees().to_radians());
+    let file = ProjectFile::open(&path, &begun, &[], None).unwrap();
+    let mut tightened = begun.clone();
+    tightened.settings.theta_limit_rad = Some(0.1);
+    file.save(&project.screen(), &tightened).unwrap();
+    assert_eq!(Project::read(&path).unwrap().settings.theta_limit_rad, Some(0.1));
+    file.save(&project.screen(), &begun).unwrap();
+    assert_eq!(Project::read(&path).unwrap(), project);
+}
