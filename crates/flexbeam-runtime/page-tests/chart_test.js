@@ -249,3 +249,12 @@ export async function aFrameOfTenSignalsIsShort() {
   check(took[45] < 16, `found a median of ${took[45].toFixed(1)} ms, needed less than 16 ms`);
   return `median ${took[45].toFixed(1)} ms, 90 % ${took[81].toFixed(1)} ms`;
 }
+
+/** One plot that cannot be drawn must not stop the others, nor the page. */
+export async function aPlotThatFailsIsAloneWithIt() {
+  const { Layout } = await import("../page/layout.js");
+  const drawn = [];
+  const failing = { draw() { throw new RangeError("no such thing"); }, fail: (error) => drawn.push(error.message) };
+  Layout.prototype.draw.call({ scopeCards: [failing, { draw: (now) => drawn.push(now) }] }, 5);
+  same(drawn, ["no such thing", 5], "drawn");
+}

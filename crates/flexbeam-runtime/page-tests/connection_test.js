@@ -6,12 +6,16 @@ class Socket {
   static made = [];
 
   constructor(url) {
-    Object.assign(this, { url, sent: [], isClosed: false });
+    Object.assign(this, { url, sent: [], isOpen: false, isClosed: false });
     Socket.made.push(this);
-    queueMicrotask(() => this.onopen?.());
+    queueMicrotask(() => {
+      this.isOpen = true;
+      this.onopen?.();
+    });
   }
 
   send(text) {
+    if (!this.isOpen) throw new DOMException("Still in CONNECTING state", "InvalidStateError");
     this.sent.push(JSON.parse(text));
   }
 
@@ -133,4 +137,16 @@ export async function attemptsComeLessOften() {
   }
   clearTimeout(connection.timer);
   same(waits.map((ms) => Math.round(ms / 250) * 250), [250, 500, 1000, 2000, 4000, 4000], "waits");
+}
+
+/** A browser's socket throws while it connects: an emergency stop must be told that it was not sent. */
+export async function whileItEntersAnewNothingIsSent() {
+  const { connection, links } = await connected();
+  connection.again();
+  const reply = await connection.request({ type: "do", request: { do: "emergency" } });
+  same([reply.ok, reply.error], [false, "No connection: nothing was sent."], "before it is open");
+  same(connection.link.stage, "connecting", "stage");
+  await wait(0);
+  Socket.made.at(-1).say({ type: "hello" });
+  same(links, ["open", "connecting", "open"], "told");
 }

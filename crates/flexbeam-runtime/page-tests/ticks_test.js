@@ -80,3 +80,14 @@ export function rangeGrowsAtOnceAndShrinksLate() {
   const kept = range.update([-0.2, 0.2], 2100);
   for (let k = 0; k < 200; k += 1) same(range.update([-0.2 - 0.01 * Math.sin(k), 0.2], 2100 + 50 * k), kept, "does not jitter");
 }
+
+/** A range that no double can divide has no marks, rather than none of the page's pictures. */
+export function endsThatAreTooCloseHaveNoMarks() {
+  for (const [low, high] of [[8589934.0, 8589934.0 + 1e-9], [1e6, 1e6 + 1e-10], [0.1, 0.1], [NaN, NaN]]) {
+    const { at, decimals } = marks(low, high, 5);
+    check(at.length <= 20, `${at.length} marks between ${low} and ${high}`);
+    at.forEach((value) => number(value, decimals));
+  }
+  const { at, decimals } = marks(-1e-300, 1e-300, 5);
+  at.forEach((value) => number(value, decimals));
+}

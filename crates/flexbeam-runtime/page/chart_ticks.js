@@ -5,6 +5,8 @@ const THIN = "\u2009";
 const MINUS = "\u2212";
 /** Marks of an axis at most. */
 const MOST = 12;
+/** Decimals at most: a browser writes no more. */
+const MOST_DECIMALS = 100;
 
 /**
  * Least step of 1, 2, 5 times a power of ten that is not below `least`.
@@ -37,6 +39,8 @@ export function marks(low, high, wanted) {
 }
 
 function multiples(low, high, step) {
+  // NUMERICS: a step that no number between the ends can tell would never arrive.
+  if (!(low + step > low && high - step < high)) return [];
   const at = [];
   // NUMERICS: multiples of the step, so that no rounding adds up; the ends count although they are rounded.
   const last = Math.floor(high / step + 1e-6);
@@ -60,7 +64,7 @@ export function decades(low, high) {
 /** A number with fixed decimals and a true minus; an en dash when there is none. */
 export function number(value, decimals) {
   if (!Number.isFinite(value)) return "\u2013";
-  const text = Math.abs(value).toFixed(decimals);
+  const text = Math.abs(value).toFixed(Math.min(decimals, MOST_DECIMALS));
   return value < 0 && Number(text) !== 0 ? MINUS + text : text;
 }
 

@@ -53,6 +53,8 @@ export class Connection {
   again() {
     this.#drop("This page entered anew.");
     this.#open();
+    // Nothing can be sent before the next greeting.
+    if (this.link.stage === "open") this.#become("connecting", "", null);
   }
 
   /** Does not wait for the next attempt. */

@@ -1,25 +1,36 @@
 // Who this page is: its token, the key of its tab, its name. Kept where a reload finds them, and nowhere else.
 
+import { ofBrowser, ofTab } from "./shelf.js";
+
 const PREFIX = "flexbeam.";
 
 /** What this tab kept under a name; null: nothing. */
 export function kept(name) {
-  return sessionStorage.getItem(PREFIX + name);
+  return ofTab().getItem(PREFIX + name);
 }
 
 /** Keeps a text in this tab; null forgets it. */
 export function keep(name, text) {
-  if (text === null) sessionStorage.removeItem(PREFIX + name);
-  else sessionStorage.setItem(PREFIX + name, text);
+  if (text === null) ofTab().removeItem(PREFIX + name);
+  else ofTab().setItem(PREFIX + name, text);
 }
 
 /** The token: from the address, which loses it, so that nobody reads it off the screen or passes it on; else the one that was kept. */
 export function takeToken() {
-  const token = decodeURIComponent(location.hash.slice(1)).trim();
+  const token = plain(location.hash.slice(1)).trim();
   if (token === "") return kept("token");
   keep("token", token);
   history.replaceState(null, "", location.pathname);
   return token;
+}
+
+/** Without its percent signs; one that was copied badly stays as it is, and the run says that it is wrong. */
+function plain(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
 }
 
 /** The key by which the run knows this tab again after a break. */
@@ -33,5 +44,5 @@ export function keyOfTab() {
 export function nameOfViewer() {
   const agent = navigator.userAgent;
   const device = [[/iPad|Tablet|Android(?!.*Mobile)/, "tablet"], [/Mobi|iPhone/, "phone"], [/Windows/, "Windows computer"], [/Mac OS/, "Mac"], [/Linux/, "Linux computer"]];
-  return localStorage.getItem(`${PREFIX}name`) ?? device.find(([pattern]) => pattern.test(agent))?.[1] ?? "browser";
+  return ofBrowser().getItem(`${PREFIX}name`) ?? device.find(([pattern]) => pattern.test(agent))?.[1] ?? "browser";
 }

@@ -191,9 +191,15 @@ export class Layout {
     write(this.pauseAll, isPaused ? "Go on" : "Pause all");
   }
 
-  /** One animation frame. */
+  /** One animation frame; a plot that fails is alone with it. */
   draw(now_ms) {
-    this.scopeCards.forEach((card) => card.draw(now_ms));
+    this.scopeCards.forEach((card) => {
+      try {
+        card.draw(now_ms);
+      } catch (error) {
+        card.fail(error);
+      }
+    });
   }
 
   /** After the theme changed. */

@@ -14,6 +14,7 @@ import { Layout } from "./layout.js";
 import { Readouts } from "./readouts.js";
 import { openResult } from "./result.js";
 import { Sheet } from "./sheet.js";
+import { ofBrowser } from "./shelf.js";
 import { RunState } from "./state.js";
 import { Store } from "./store.js";
 import { Theme } from "./theme.js";
@@ -125,7 +126,7 @@ function refresh() {
 
 function rename(name) {
   connection.name = name;
-  localStorage.setItem("flexbeam.name", name);
+  ofBrowser().setItem("flexbeam.name", name);
   connection.again();
 }
 
@@ -141,10 +142,11 @@ function help() {
 }
 
 function draw(now_ms) {
+  // Before all else: an error in one picture is not to be the end of all.
+  requestAnimationFrame(draw);
   const began = performance.now();
   if (shown) drawRun(shown, now_ms);
   frames.add(performance.now() - began);
-  requestAnimationFrame(draw);
 }
 
 function drawRun({ store, layout, readouts, lateness }, now_ms) {

@@ -126,6 +126,12 @@ export class ScopeCard {
     this.gone.hidden = parts.length === 0;
   }
 
+  /** Says that it cannot be drawn, until its settings change. */
+  fail(error) {
+    this.gone.textContent = `Not drawn: ${error.message}. Other settings of this scope may help.`;
+    this.gone.hidden = false;
+  }
+
   name() {
     this.canvas.setAttribute("aria-label", this.config.title);
     this.element.setAttribute("aria-label", `Scope: ${this.config.title}`);

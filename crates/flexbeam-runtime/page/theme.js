@@ -1,5 +1,7 @@
 // Dark and light. Enters: the choice of a person, kept in this browser. Leaves: `data-theme` on <html>.
 
+import { ofBrowser } from "./shelf.js";
+
 const KEPT = "flexbeam.theme";
 /** In the order in which the button takes them. */
 export const THEMES = ["auto", "light", "dark"];
@@ -7,7 +9,7 @@ export const THEMES = ["auto", "light", "dark"];
 export class Theme {
   /** @param {() => void} onchange after the colours changed */
   constructor(onchange) {
-    const kept = localStorage.getItem(KEPT);
+    const kept = ofBrowser().getItem(KEPT);
     this.choice = THEMES.includes(kept) ? kept : "auto";
     this.onchange = onchange;
     this.system = matchMedia("(prefers-color-scheme: light)");
@@ -18,7 +20,7 @@ export class Theme {
   /** The next of auto, light, dark. */
   next() {
     this.choice = THEMES[(THEMES.indexOf(this.choice) + 1) % THEMES.length];
-    localStorage.setItem(KEPT, this.choice);
+    ofBrowser().setItem(KEPT, this.choice);
     this.#apply();
   }
 

@@ -95,8 +95,9 @@ export class TopBar {
       touched = true;
       this.#stopNow();
     });
-    this.emergency.addEventListener("click", () => {
-      if (!touched) this.#stopNow();
+    this.emergency.addEventListener("click", (event) => {
+      // A touch that slid off made no click; of a key it is detail 0.
+      if (!touched || event.detail === 0) this.#stopNow();
       touched = false;
     });
     let escaped_ms = -Infinity;
