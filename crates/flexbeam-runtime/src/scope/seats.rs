@@ -125,6 +125,11 @@ impl Seats {
         self.ask.take_if(|ask| ask.id == id);
         if let Some(control) = self.control.as_mut().filter(|control| control.id == id) {
             control.lost_until = Some(now + GRACE);
+            let key = control.key.clone();
+            // A page notices a dead link long before the server does: it may be back already.
+            let back: Vec<u64> =
+                self.viewers.iter().filter(|viewer| viewer.key == key).map(|viewer| viewer.id).collect();
+            back.into_iter().for_each(|id| self.come_back(id));
         }
     }
 
@@ -333,6 +338,19 @@ mod tests {
         seats.take(s(0), one).unwrap();
         let copy = seats.enter(s(1), "laptop", "k1", Steer).unwrap();
         assert_ne!(holder(&seats), Some(copy), "a copied tab does not take a seat that is not lost");
+    }
+
+    #[test]
+    fn who_is_back_before_the_loss_is_noticed_gets_its_seat() {
+        let (mut seats, one, other) = two();
+        seats.take(s(0), one).unwrap();
+        let onlooker = seats.enter(s(1), "laptop", "k1", Look).unwrap();
+        let back = seats.enter(s(2), "laptop", "k1", Steer).unwrap();
+        assert_eq!(holder(&seats), Some(one));
+        seats.take(s(3), other).unwrap();
+        seats.leave(s(10), one);
+        assert_eq!(holder(&seats), Some(back), "and not {onlooker}");
+        assert!(seats.attendance(s(10)).asking.is_some(), "who asks still asks");
     }
 
     #[test]
