@@ -7,7 +7,7 @@ mod support;
 
 use flexbeam_files::RunSample;
 use flexbeam_runtime::scope::{NoScope, ScopeServer, Token};
-use flexbeam_runtime::{Phase, RunFault, Sample};
+use flexbeam_runtime::{Phase, RunFault, Sample, Sink};
 use serde_json::{Value, json};
 use std::sync::atomic::Ordering;
 use support::{Frame, Run, START_UNIX_NS, Said, Viewer, about, enter, handshake, read, server, token};
@@ -353,6 +353,36 @@ fn before_the_run_is_armed_a_viewer_sees_that_and_may_end_the_homing() {
     assert!(asked.load(Ordering::Acquire));
     drop(server);
     assert_eq!(viewer.closed(), 1001);
+}
+
+/// Samples come before the settings may be changed: until then there is no run, and nothing of it is told.
+#[test]
+fn who_comes_in_the_instant_of_arming_misses_neither_settings_nor_samples() {
+    let server = server(about(None));
+    let mut sink = server.sink(&support::header(1e-3));
+    for instant in 0..50 {
+        sink.sample(&Sample { instant, ..Sample::default() }).unwrap();
+    }
+    let mut viewer = enter(&server, json!({}));
+    assert_eq!((&viewer.hello["knobs"], &viewer.hello["run"]["start_unix_ns"]), (&json!([]), &json!("0")));
+    viewer.text("state");
+    viewer.text("state");
+    let (live, _reader) = flexbeam_runtime::live(scripted::constant(0.0)).unwrap();
+    let steering =
+        flexbeam_runtime::Steering { controls: Default::default(), live, latest: Default::default(), period_s: 1e-3 };
+    let run = Run::armed();
+    server.steer(steering, run.session.notes());
+    let mut is_armed = false;
+    let ticks = viewer.wait_for("the first frame of the run", |said| match said {
+        Said::Text(text) => {
+            is_armed |= text["type"] == "hello" && text["run"]["start_unix_ns"] == START_UNIX_NS.to_string();
+            None
+        }
+        Said::Frame(frame) => Some(frame.ticks.clone()).filter(|_| is_armed),
+        Said::Closed(_) => None,
+    });
+    assert_eq!(ticks, (0..50).collect::<Vec<u64>>());
+    run.end("warning");
 }
 
 #[test]

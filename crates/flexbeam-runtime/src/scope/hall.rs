@@ -192,9 +192,9 @@ impl Hall {
         self.began.elapsed().as_millis() as u64
     }
 
-    /// By which runs are told apart.
+    /// By which runs are told apart; `0` before there is one to steer.
     pub(super) fn start(&self) -> String {
-        self.chronicle().start_unix_ns.to_string()
+        self.steering().map_or(0, |_| self.chronicle().start_unix_ns).to_string()
     }
 
     pub(super) fn live(&self) -> Option<Live> {

@@ -108,8 +108,11 @@ impl Told {
         Some(ServerMessage::State(state))
     }
 
-    /// One frame a beat; at the end of the run whatever is left.
+    /// One frame a beat; at the end of the run whatever is left. They are of the run that the last hello told of.
     fn samples(&mut self, hall: &Hall) -> Option<Message> {
+        if self.hello != Some(Armed::Yes) {
+            return None;
+        }
         if self.frame && hall.chronicle().result.is_none() {
             return None;
         }
