@@ -59,7 +59,10 @@ impl Told {
     pub(super) fn next(&mut self, hall: &Hall, guest: &Guest) -> Option<Message> {
         let armed = if hall.steering().is_some() { Armed::Yes } else { Armed::NotYet };
         if self.hello != Some(armed) {
-            self.hello = Some(armed);
+            if self.hello.replace(armed).is_some() {
+                // To the page this is another run: it drops what it has, the first samples of this one among it.
+                self.cursor = hall.history.cursor(None);
+            }
             let hello = guest.hello(false);
             if let ServerMessage::Hello(hello) = &hello {
                 self.knobs = hello.knobs.clone();
@@ -108,11 +111,8 @@ impl Told {
         Some(ServerMessage::State(state))
     }
 
-    /// One frame a beat; at the end of the run whatever is left. They are of the run that the last hello told of.
+    /// One frame a beat; at the end of the run whatever is left.
     fn samples(&mut self, hall: &Hall) -> Option<Message> {
-        if self.hello != Some(Armed::Yes) {
-            return None;
-        }
         if self.frame && hall.chronicle().result.is_none() {
             return None;
         }
