@@ -129,7 +129,7 @@ fn answer(arguments: &cli::New, name: String) {
         return;
     }
     println!("{folder}: the project {name:?}");
-    FILES.iter().for_each(|(file, what)| println!("  {file:18} {what}"));
+    FILES.iter().for_each(|(file, what)| println!("  {file:20}{what}"));
     println!(
         "next: flexbeam run {folder} --scope\n\
          with your own rig at PORT:\n  \
