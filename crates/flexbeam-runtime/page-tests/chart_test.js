@@ -7,13 +7,22 @@ const DEG = 180 / Math.PI;
 let now_ms = 1000;
 
 /** Rows [begin, end) of a wave of half a hertz. */
-const rows = (begin, end) => Array.from({ length: end - begin }, (_, k) => [begin + k, 0.26 * Math.sin(((begin + k) * Math.PI) / 1000), 3]);
+const rows = (begin, end) =>
+  Array.from({ length: end - begin }, (_, k) => [begin + k, 0.26 * Math.sin(((begin + k) * Math.PI) / 1000), 3]);
 
 async function cardOf(scope = SCOPE, ticks = 8000) {
   const store = new Store({ signals: SIGNALS, period_s: 0.001 });
   if (ticks > 0) store.push(frameOf(rows(0, ticks)));
   const saved = [];
-  const card = new ScopeCard({ store, signals: SIGNALS, scope, period_s: 0.001, onchange: (c) => saved.push(c.scope), onremove: (c) => c.destroy(), onmove() {} });
+  const card = new ScopeCard({
+    store,
+    signals: SIGNALS,
+    scope,
+    period_s: 0.001,
+    onchange: (c) => saved.push(c.scope),
+    onremove: (c) => c.destroy(),
+    onmove() {},
+  });
   card.element.style.cssText = "width: 900px; height: 460px";
   document.body.replaceChildren(card.element);
   await laidOut(card);
@@ -27,7 +36,8 @@ function frame(card, after_ms = 120) {
   card.draw(now_ms);
 }
 
-const press = (card, key, more = {}) => card.plot.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true, ...more }));
+const press = (card, key, more = {}) =>
+  card.plot.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true, ...more }));
 
 /** A pointer at shares of the plot. */
 function point(card, type, x, y, more = {}) {
@@ -35,7 +45,9 @@ function point(card, type, x, y, more = {}) {
   const { left, top, width, height, unit } = card.frame;
   const at = { clientX: box.left + (left + x * width) / unit, clientY: box.top + (top + (1 - y) * height) / unit };
   card.plot.setPointerCapture = () => {};
-  card.plot.dispatchEvent(new PointerEvent(type, { pointerId: 1, pointerType: "mouse", button: 0, bubbles: true, ...at, ...more }));
+  card.plot.dispatchEvent(
+    new PointerEvent(type, { pointerId: 1, pointerType: "mouse", button: 0, bubbles: true, ...at, ...more }),
+  );
 }
 
 export async function rollsBehindTheNewestAndThenStandsStill() {
@@ -65,7 +77,10 @@ export async function rollingIsEven() {
     if (k > 100) steps.push(card.chart.anchor - before);
     before = card.chart.anchor;
   }
-  check(Math.min(...steps) > 10 && Math.max(...steps) < 24, `found steps of ${Math.min(...steps)} to ${Math.max(...steps)} ticks, needed about 16.7`);
+  check(
+    Math.min(...steps) > 10 && Math.max(...steps) < 24,
+    `found steps of ${Math.min(...steps)} to ${Math.max(...steps)} ticks, needed about 16.7`,
+  );
 }
 
 export async function pausedPlotStandsStillWhileTheStoreGoesOn() {
@@ -90,7 +105,10 @@ export async function emptyAndClearedStoresAreDrawn() {
     frame(card, 400);
     store.push(frameOf(rows(0, 3000)));
     frame(card, 400);
-    check(card.chart.axes.x.every(Number.isFinite) && card.chart.axes.y.flat().every(Number.isFinite), `${kind}: found ${JSON.stringify(card.chart.axes)}`);
+    check(
+      card.chart.axes.x.every(Number.isFinite) && card.chart.axes.y.flat().every(Number.isFinite),
+      `${kind}: found ${JSON.stringify(card.chart.axes)}`,
+    );
   }
 }
 
@@ -199,9 +217,23 @@ export async function spectrumFindsTheWave() {
 export async function aFrameOfTenSignalsIsShort() {
   const signals = Array.from({ length: 10 }, (_, k) => ({ ...SIGNALS[k % 2], key: `signal_${k}`, label: `Signal ${k}` }));
   const store = new Store({ signals, period_s: 0.001 });
-  const many = (begin, end) => frameOf(Array.from({ length: end - begin }, (_, j) => [begin + j, ...signals.map((_, k) => Math.sin((begin + j) / (200 + 40 * k)) + 0.02 * ((j * 7919) % 13))]));
+  const many = (begin, end) =>
+    frameOf(
+      Array.from({ length: end - begin }, (_, j) => [
+        begin + j,
+        ...signals.map((_, k) => Math.sin((begin + j) / (200 + 40 * k)) + 0.02 * ((j * 7919) % 13)),
+      ]),
+    );
   for (let tick = 0; tick < 12_000; tick += 1000) store.push(many(tick, tick + 1000));
-  const card = new ScopeCard({ store, signals, scope: { title: "Ten", kind: "time", signals: signals.map((s) => s.key), span_s: 10 }, period_s: 0.001, onchange() {}, onremove() {}, onmove() {} });
+  const card = new ScopeCard({
+    store,
+    signals,
+    scope: { title: "Ten", kind: "time", signals: signals.map((s) => s.key), span_s: 10 },
+    period_s: 0.001,
+    onchange() {},
+    onremove() {},
+    onmove() {},
+  });
   card.element.style.cssText = "width: 1600px; height: 900px";
   document.body.replaceChildren(card.element);
   await laidOut(card);

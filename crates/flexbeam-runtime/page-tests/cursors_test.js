@@ -13,16 +13,30 @@ function line(n) {
 
 export function readingsAreOfTheNearestSample() {
   const store = line(100);
-  same(readings(store, ["psi_rad", "voltage_v"], 10.4, 49.6), [
-    { key: "psi_rad", a: 10, b: 50, difference: 40 },
-    { key: "voltage_v", a: -20, b: -100, difference: -80 },
-  ], "readings");
+  same(
+    readings(store, ["psi_rad", "voltage_v"], 10.4, 49.6),
+    [
+      { key: "psi_rad", a: 10, b: 50, difference: 40 },
+      { key: "voltage_v", a: -20, b: -100, difference: -80 },
+    ],
+    "readings",
+  );
 }
 
 export function nothingIsReadInAGap() {
   const store = new Store({ signals: SIGNALS, period_s: 0.001 });
-  store.push(frameOf([[0, 1, 1], [1, 2, 2], [9, 3, 3]]));
-  same([1.4, 4, 8.6, 40, -3].map((tick) => valueAt(store, 0, tick)).map((v) => (Number.isNaN(v) ? "none" : v)), [2, "none", 3, "none", "none"], "values");
+  store.push(
+    frameOf([
+      [0, 1, 1],
+      [1, 2, 2],
+      [9, 3, 3],
+    ]),
+  );
+  same(
+    [1.4, 4, 8.6, 40, -3].map((tick) => valueAt(store, 0, tick)).map((v) => (Number.isNaN(v) ? "none" : v)),
+    [2, "none", 3, "none", "none"],
+    "values",
+  );
 }
 
 export function oldReadingsAreOfTheBlock() {
@@ -44,5 +58,8 @@ export function cursorsComeIntoSight() {
   same([cursors.near(-590, 20), cursors.near(-310, 20), cursors.near(-450, 20)], [0, 1, -1], "caught");
   cursors.toggle([-900, 0]);
   cursors.toggle([-100, 0]);
-  check(cursors.at.every((x) => x > -100 && x < 0), `found ${cursors.at}, needed them in sight`);
+  check(
+    cursors.at.every((x) => x > -100 && x < 0),
+    `found ${cursors.at}, needed them in sight`,
+  );
 }

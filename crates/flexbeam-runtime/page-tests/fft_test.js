@@ -76,7 +76,10 @@ export function gapsAreFilledByLinesAndCounted() {
   store.push(frameOf(rows));
   const { values, missing } = evenly(store, 0, 999, 512);
   same(missing, 3, "missing");
-  check(values.every((value, j) => value === 488 + j), `found ${values.find((value, j) => value !== 488 + j)} where a line was needed`);
+  check(
+    values.every((value, j) => value === 488 + j),
+    `found ${values.find((value, j) => value !== 488 + j)} where a line was needed`,
+  );
 }
 
 export function tooManyGapsAreNoSpectrum() {

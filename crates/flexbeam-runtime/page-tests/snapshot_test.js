@@ -8,19 +8,31 @@ import { png, svg } from "../page/snapshot.js";
 export function csvReadsBackToTheBit() {
   const draw = random(2);
   const store = new Store({ signals: SIGNALS, period_s: 0.001 });
-  const rows = Array.from({ length: 3000 }, (_, k) => [k + 5, Math.fround((draw() - 0.5) * 10 ** (k % 20 - 10)), Math.fround(k)]);
+  const rows = Array.from({ length: 3000 }, (_, k) => [
+    k + 5,
+    Math.fround((draw() - 0.5) * 10 ** ((k % 20) - 10)),
+    Math.fround(k),
+  ]);
   store.push(frameOf(rows));
   const lines = csv(store, ["psi_rad", "voltage_v"], 100, 2000).trimEnd().split("\n");
   same(lines[0], "time_s,psi_rad,voltage_v", "header");
   same(lines.length, 1901, "lines");
   lines.slice(1).forEach((line, k) => {
     const [time, psi, voltage] = line.split(",").map(Number);
-    same([time, Math.fround(psi), voltage], [Number(((100 + k) / 1000).toPrecision(15)), rows[95 + k][1], rows[95 + k][2]], `line ${k + 2}`);
+    same(
+      [time, Math.fround(psi), voltage],
+      [Number(((100 + k) / 1000).toPrecision(15)), rows[95 + k][1], rows[95 + k][2]],
+      `line ${k + 2}`,
+    );
   });
 }
 
 export function numbersAreShortest() {
-  same([0.1, -1e-10, 3, 16777216, 1 / 3].map((x) => single(Math.fround(x))), ["0.1", "-1e-10", "3", "16777216", "0.33333334"], "texts");
+  same(
+    [0.1, -1e-10, 3, 16777216, 1 / 3].map((x) => single(Math.fround(x))),
+    ["0.1", "-1e-10", "3", "16777216", "0.33333334"],
+    "texts",
+  );
   same([NaN, Infinity, -Infinity].map(single), ["NaN", "inf", "-inf"], "not finite");
 }
 
@@ -42,7 +54,9 @@ export function namesArePlain() {
 /** A card on the page that has drawn a frame. */
 async function shown(kind, title = "Tip <angle> & voltage") {
   const store = new Store({ signals: SIGNALS, period_s: 0.001 });
-  store.push(frameOf(Array.from({ length: 12_000 }, (_, k) => [k, 0.26 * Math.sin(k / 400), 4 * Math.sin(k / 400 + 1) + (k % 7) / 30])));
+  store.push(
+    frameOf(Array.from({ length: 12_000 }, (_, k) => [k, 0.26 * Math.sin(k / 400), 4 * Math.sin(k / 400 + 1) + (k % 7) / 30])),
+  );
   const scope = { title, kind, signals: ["psi_rad", "voltage_v"], span_s: 10 };
   const card = new ScopeCard({ store, signals: SIGNALS, scope, period_s: 0.001, onchange() {}, onremove() {}, onmove() {} });
   card.element.style.cssText = "width: 800px; height: 420px";
@@ -99,7 +113,10 @@ export async function svgAndPngAreTheSamePicture() {
     const picture = await png(sight, 1);
     card.destroy();
     const [width, height] = [...text.matchAll(/(?:width|height)="(\d+)"/g)].slice(0, 2).map((m) => Number(m[1]));
-    const [a, b] = [await pixels(picture, width, height), await pixels(new Blob([text], { type: "image/svg+xml" }), width, height)];
+    const [a, b] = [
+      await pixels(picture, width, height),
+      await pixels(new Blob([text], { type: "image/svg+xml" }), width, height),
+    ];
     const share = strange(a, b, width, height) / (width * height);
     check(share < 3e-3, `${kind}: ${(share * 100).toFixed(3)} % of the pixels are not in the other picture`);
     said.push(`${kind} ${(share * 100).toFixed(3)} %`);

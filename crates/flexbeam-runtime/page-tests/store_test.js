@@ -41,7 +41,8 @@ export function extremesAreExactWhereRawSamplesAre() {
   for (let k = 0; k < 400; k += 1) {
     const begin = Math.floor(draw() * store.last * 1.1) - 100;
     const end = begin + Math.floor(draw() ** 3 * 20000);
-    for (const channel of [0, 1]) same(store.extent(channel, begin, end), brute(rows, channel, begin, end), `channel ${channel}, ticks ${begin} to ${end}`);
+    for (const channel of [0, 1])
+      same(store.extent(channel, begin, end), brute(rows, channel, begin, end), `channel ${channel}, ticks ${begin} to ${end}`);
   }
 }
 
@@ -92,7 +93,11 @@ export function olderStretchesAreCoveredByWholeBlocks() {
 
 export function memoryDoesNotGrow() {
   const store = new Store({ signals: SIGNALS, period_s: 0.001 });
-  const bytes = () => [store.ticks, ...store.raw, ...store.levels.flatMap((l) => [...l.low, ...l.high, l.begin, l.end])].reduce((sum, a) => sum + a.byteLength, 0);
+  const bytes = () =>
+    [store.ticks, ...store.raw, ...store.levels.flatMap((l) => [...l.low, ...l.high, l.begin, l.end])].reduce(
+      (sum, a) => sum + a.byteLength,
+      0,
+    );
   const before = bytes();
   filled(store, 3 * RAW, 5);
   same(bytes(), before, "bytes after three times the raw samples");
@@ -101,18 +106,57 @@ export function memoryDoesNotGrow() {
 
 export function gapsAndLossesBreakTheLine() {
   const store = new Store({ signals: SIGNALS, period_s: 0.001 });
-  store.push(frameOf([[10, 1, 1], [11, 2, 2], [13, 3, 3]]));
-  store.push(frameOf([[14, 4, 4], [15, 5, 5]]));
-  store.push(frameOf([[30, 6, 6], [31, 7, 7]], 14));
-  same([0, 1, 2, 3, 4, 5, 6].map((i) => store.gapBefore(i)), [true, false, true, false, false, true, false], "gaps");
+  store.push(
+    frameOf([
+      [10, 1, 1],
+      [11, 2, 2],
+      [13, 3, 3],
+    ]),
+  );
+  store.push(
+    frameOf([
+      [14, 4, 4],
+      [15, 5, 5],
+    ]),
+  );
+  store.push(
+    frameOf(
+      [
+        [30, 6, 6],
+        [31, 7, 7],
+      ],
+      14,
+    ),
+  );
+  same(
+    [0, 1, 2, 3, 4, 5, 6].map((i) => store.gapBefore(i)),
+    [true, false, true, false, false, true, false],
+    "gaps",
+  );
   same(store.lost, 14, "rows lost");
 }
 
 export function rowsThatComeAgainArePassedOver() {
   const store = new Store({ signals: SIGNALS, period_s: 0.001 });
-  store.push(frameOf([[1, 1, 0], [2, 2, 0], [3, 3, 0]]));
-  store.push(frameOf([[2, 9, 0], [3, 9, 0], [4, 4, 0]]));
-  same([0, 1, 2, 3].map((i) => store.valueAt(0, i)), [1, 2, 3, 4], "values");
+  store.push(
+    frameOf([
+      [1, 1, 0],
+      [2, 2, 0],
+      [3, 3, 0],
+    ]),
+  );
+  store.push(
+    frameOf([
+      [2, 9, 0],
+      [3, 9, 0],
+      [4, 4, 0],
+    ]),
+  );
+  same(
+    [0, 1, 2, 3].map((i) => store.valueAt(0, i)),
+    [1, 2, 3, 4],
+    "values",
+  );
   same(store.last, 4, "newest tick");
 }
 

@@ -24,11 +24,19 @@ export function marksAreMultiplesWithinTheEnds() {
 
 export function numbersHaveATrueMinusAndFixedDecimals() {
   same([number(-1.5, 2), number(-0.001, 2), number(NaN, 1), number(3, 1)], ["\u22121.50", "0.00", "\u2013", "3.0"], "numbers");
-  same([quantity(5, 0, "V"), quantity(5, 0, "\u00b0"), quantity(5, 0, ""), quantity(NaN, 0, "V")], ["5\u2009V", "5\u00b0", "5", "\u2013"], "quantities");
+  same(
+    [quantity(5, 0, "V"), quantity(5, 0, "\u00b0"), quantity(5, 0, ""), quantity(NaN, 0, "V")],
+    ["5\u2009V", "5\u00b0", "5", "\u2013"],
+    "quantities",
+  );
 }
 
 export function decadesAre125() {
-  same(decades(0.1, 30), [0.1, 0.2, 0.5, 1, 2, 5, 10, 20].map((x) => Number(x.toPrecision(12))), "few decades");
+  same(
+    decades(0.1, 30),
+    [0.1, 0.2, 0.5, 1, 2, 5, 10, 20].map((x) => Number(x.toPrecision(12))),
+    "few decades",
+  );
   same(decades(0.05, 500).length, 4, "many decades: powers of ten alone");
 }
 
@@ -39,7 +47,10 @@ export function endsCoverTheDataOnTheStep() {
     const high = low + draw() * 10 ** Math.floor(draw() * 6 - 3);
     const ends = fit(low, high);
     check(ends.low < low && ends.high > high, `${low} to ${high}: found ${ends.low} to ${ends.high}`);
-    check(ends.high - ends.low <= 2 * Math.max(high - low, Math.abs(high) * 0.05), `${low} to ${high}: ${ends.low} to ${ends.high} is too long`);
+    check(
+      ends.high - ends.low <= 2 * Math.max(high - low, Math.abs(high) * 0.05),
+      `${low} to ${high}: ${ends.low} to ${ends.high} is too long`,
+    );
     const left = fit(-draw(), draw() * 3);
     const right = fitBeside(low, high, left);
     same(Math.round((right.high - right.low) / right.step), Math.round((left.high - left.low) / left.step), "divisions");

@@ -61,7 +61,12 @@ export function placeY(frame, [low, high], value) {
 export function drawX(context, frame, paper, ends, labels) {
   const bottom = frame.top + frame.height;
   const at = labels.map((label) => placeX(frame, ends, label.at));
-  hair(context, frame, paper.grid, at.map((x) => [x, frame.top, x, bottom]));
+  hair(
+    context,
+    frame,
+    paper.grid,
+    at.map((x) => [x, frame.top, x, bottom]),
+  );
   context.fillStyle = paper.soft;
   context.font = font(frame.unit);
   context.textBaseline = "top";
@@ -78,8 +83,20 @@ export function drawY(context, frame, paper, axis, side) {
   const { step, at, decimals } = marksOf(frame, axis);
   const right = frame.left + frame.width;
   const y = at.map((value) => placeY(frame, axis.ends, value));
-  if (side === 0) hair(context, frame, paper.grid, y.map((row) => [frame.left, row, right, row]));
-  else hair(context, frame, paper.line, y.map((row) => [right, row, right + 4 * frame.unit, row]));
+  if (side === 0)
+    hair(
+      context,
+      frame,
+      paper.grid,
+      y.map((row) => [frame.left, row, right, row]),
+    );
+  else
+    hair(
+      context,
+      frame,
+      paper.line,
+      y.map((row) => [right, row, right + 4 * frame.unit, row]),
+    );
   const zero = at.indexOf(0);
   if (side === 0 && zero >= 0) hair(context, frame, paper.line, [[frame.left, y[zero], right, y[zero]]]);
   context.fillStyle = axis.colour;
@@ -108,7 +125,12 @@ export function labelsX(frame, [low, high], unit) {
 export function drawBorder(context, frame, paper) {
   const { left, top } = frame;
   const [right, bottom] = [left + frame.width, top + frame.height];
-  hair(context, frame, paper.line, [[left, top, left, bottom], [left, bottom, right, bottom], [right, top, right, bottom], [left, top, right, top]]);
+  hair(context, frame, paper.line, [
+    [left, top, left, bottom],
+    [left, bottom, right, bottom],
+    [right, top, right, bottom],
+    [left, top, right, top],
+  ]);
 }
 
 /** Words in the middle of an empty plot. */
@@ -129,7 +151,12 @@ export function drawTag(context, frame, paper, text, x, y, colour) {
   const top = Math.min(Math.max(y - high / 2, frame.top), frame.top + frame.height - high);
   context.fillStyle = paper.card;
   context.fillRect(left, top, wide, high);
-  hair(context, frame, colour, [[left, top, left + wide, top], [left, top + high, left + wide, top + high], [left, top, left, top + high], [left + wide, top, left + wide, top + high]]);
+  hair(context, frame, colour, [
+    [left, top, left + wide, top],
+    [left, top + high, left + wide, top + high],
+    [left, top, left, top + high],
+    [left + wide, top, left + wide, top + high],
+  ]);
   context.fillStyle = paper.ink;
   context.textAlign = "center";
   context.textBaseline = "middle";

@@ -169,7 +169,10 @@ export class Gestures {
 
   showBox(from, at) {
     const { frame } = this.host;
-    const css = (x, y) => [(frame.left + clamp(x) * frame.width) / frame.unit, (frame.top + (1 - clamp(y)) * frame.height) / frame.unit];
+    const css = (x, y) => [
+      (frame.left + clamp(x) * frame.width) / frame.unit,
+      (frame.top + (1 - clamp(y)) * frame.height) / frame.unit,
+    ];
     const [x0, y0] = css(Math.min(from.x, at.x), Math.max(from.y, at.y));
     const [x1, y1] = css(Math.max(from.x, at.x), Math.min(from.y, at.y));
     Object.assign(this.box.style, { left: `${x0}px`, top: `${y0}px`, width: `${x1 - x0}px`, height: `${y1 - y0}px` });

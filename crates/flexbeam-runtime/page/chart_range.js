@@ -44,7 +44,8 @@ export function fitBeside(low, high, other, grounded = false) {
     const least = Math.max(nought > 0 ? -tight.low / nought : 0, nought < divisions ? tight.high / (divisions - nought) : 0);
     const step = stepAbove(least);
     const covers = -nought * step <= tight.low && (divisions - nought) * step >= tight.high;
-    if (covers && divisions * step <= WASTE * (tight.high - tight.low)) return { low: -nought * step, high: (divisions - nought) * step, step };
+    if (covers && divisions * step <= WASTE * (tight.high - tight.low))
+      return { low: -nought * step, high: (divisions - nought) * step, step };
   }
   for (let step = stepAbove((tight.high - tight.low) / divisions); ; step = stepAbove(step * 1.01)) {
     const bottom = Math.floor(tight.low / step + 1e-9);

@@ -64,9 +64,7 @@ export class TimeChart extends Chart {
     const [low, high] = this.horizontal(span);
     const width = (high - low) / frame.width;
     this.origin = this.rolls ? (Number.isNaN(this.origin) ? Math.floor(this.anchor) : this.origin) : this.anchor;
-    const first = this.rolls
-      ? Math.floor((this.anchor + high - this.origin) / width) - frame.width + 1
-      : Math.round(low / width);
+    const first = this.rolls ? Math.floor((this.anchor + high - this.origin) / width) - frame.width + 1 : Math.round(low / width);
     this.scale = { origin: this.origin, width, first };
     const begin = this.origin + first * width;
     const end = begin + frame.width * width;
@@ -229,7 +227,11 @@ export class TimeChart extends Chart {
     const x = right ? frame.left + frame.width : frame.left;
     const d = (right ? -1 : 1) * 11 * frame.unit;
     const h = 7 * frame.unit;
-    fill(context, colourOf(signal.key), [[x, inside - h], [x + d, inside], [x, inside + h]]);
+    fill(context, colourOf(signal.key), [
+      [x, inside - h],
+      [x + d, inside],
+      [x, inside + h],
+    ]);
     if (!this.rolls && !Number.isNaN(this.anchor)) this.drawInstant(context, frame, colourOf(signal.key));
     if (!this.held) return;
     hair(context, frame, colourOf(signal.key), [[frame.left, inside, frame.left + frame.width, inside]]);
@@ -242,7 +244,11 @@ export class TimeChart extends Chart {
     const x = placeX(frame, this.axes.x, 0);
     if (x < frame.left || x > frame.left + frame.width) return;
     const d = 5 * frame.unit;
-    fill(context, colour, [[x - d, frame.top - d], [x + d, frame.top - d], [x, frame.top + d]]);
+    fill(context, colour, [
+      [x - d, frame.top - d],
+      [x + d, frame.top - d],
+      [x, frame.top + d],
+    ]);
   }
 
   drawCursors(context, frame, hidden) {
@@ -273,7 +279,12 @@ export class TimeChart extends Chart {
     const [a, b] = this.cursors.at.map((offset) => this.anchor + offset);
     const { time_s, frequency_hz } = between(a, b, period_s);
     const time = (tick) => seconds((tick - (this.rolls ? 0 : this.anchor)) * period_s, 4);
-    const rows = readings(this.store, signals.map((signal) => signal.key), a, b).map((reading, k) => {
+    const rows = readings(
+      this.store,
+      signals.map((signal) => signal.key),
+      a,
+      b,
+    ).map((reading, k) => {
       const { label, unit, factor, key } = signals[k];
       const text = (value) => quantity(value * factor, readingDecimals(unit), unit);
       return { cells: [label, text(reading.a), text(reading.b), text(reading.difference)], colour: colourOf(key) };

@@ -195,7 +195,8 @@ function drawColumn(pen, { x, bottom, top, first, last, x_first, x_last, down },
   }
   // Columns that overlap cover where the line goes from one to the other: an upright stroke each is the same picture.
   if (!alone && before && before.top <= bottom && top <= before.bottom) {
-    const fromTop = Math.abs(pen.y - top) < Math.abs(pen.y - bottom);
+    // Which end comes first is told by the samples, not by the pen: strips that begin elsewhere must draw the same.
+    const fromTop = Math.abs(first - top) < Math.abs(first - bottom);
     pen.to(x, fromTop ? top : bottom);
     pen.to(x, fromTop ? bottom : top);
     return Number.isNaN(last) ? pen.lift() : undefined;
@@ -297,7 +298,7 @@ export class TraceLayer {
   /** Draws columns [a, b), in two pieces where the ring begins anew. */
   strip(a, b, draw) {
     const { width, height } = this.canvas;
-    for (let from = a; from < b; ) {
+    for (let from = a; from < b;) {
       const slot = ((from % width) + width) % width;
       const to = Math.min(b, from - slot + width);
       this.context.save();

@@ -7,8 +7,9 @@ import { axisOf, pick, unitsOf } from "./chart_signals.js";
 import { seconds } from "./chart_ticks.js";
 import { TimeChart } from "./chart_time.js";
 import { themeChanged } from "./colours.js";
+import { ScopeBar, spanText } from "./scope_bar.js";
 import { Legend } from "./scope_legend.js";
-import { element, menu, retool, tool } from "./scope_parts.js";
+import { element } from "./element.js";
 import { Readings } from "./scope_readings.js";
 import { ScopeSheet } from "./scope_sheet.js";
 import { takeSnapshot } from "./snapshot.js";
@@ -20,8 +21,6 @@ const CHARTS = { time: TimeChart, xy: XyChart, spectrum: SpectrumChart };
 /** Numbers change at most this often [ms]; the words for a screen reader less often. */
 const NUMBERS_MS = 100;
 const WORDS_MS = 2000;
-/** Spans on offer [s]. */
-const SPANS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1800, 3600];
 
 export class ScopeCard {
   /**
@@ -60,25 +59,29 @@ export class ScopeCard {
     this.canvas = element("canvas", { role: "img" });
     this.context = this.canvas.getContext("2d");
     this.plot = element("div", { class: "scope-plot", tabindex: 0, role: "group" }, this.canvas);
-    this.title = element("input", { class: "scope-title", "aria-label": "Title of the scope", spellcheck: "false", value: config.title, onchange: () => this.rename() });
+    this.title = element("input", {
+      class: "scope-title",
+      "aria-label": "Title of the scope",
+      spellcheck: "false",
+      value: config.title,
+      onchange: () => this.rename(),
+    });
     this.state = element("span", { class: "scope-state" });
-    this.again = element("button", { type: "button", class: "scope-again", text: "Arm again", hidden: true, onclick: () => this.arm() });
+    this.again = element("button", {
+      type: "button",
+      class: "scope-again",
+      text: "Arm again",
+      hidden: true,
+      onclick: () => this.arm(),
+    });
     this.readings = new Readings();
     this.gone = element("p", { class: "scope-gone", hidden: true });
-    const move = (by) => () => onmove(this, by);
-    this.tools = {
-      span: element("select", { class: "scope-span", "aria-label": "Span", onchange: () => this.change({ span_s: Number(this.tools.span.value) }) }),
-      pause: tool("pause", "Pause", () => this.pause(!this.paused), false),
-      cursors: tool("cursors", "Cursors", () => this.toggleCursors(), false),
-      back: tool("back", "Zoom back", () => this.back()),
-      trigger: tool("trigger", "Trigger", () => this.toggleTrigger(), false),
-    };
-    const settings = tool("settings", "Signals and settings", () => this.openSheet());
-    this.styles = spectrumStyles(this);
-    const shot = (kind) => () => this.snapshot(kind);
-    const entries = [["Picture (PNG)", shot("png")], ["Drawing (SVG)", shot("svg")], ["Samples (CSV)", shot("csv")], ["Move up", move(-1)], ["Move down", move(1)], ["Remove", () => onremove(this)]];
-    const bar = element("div", { class: "scope-tools", role: "toolbar" }, ...this.styles, ...Object.values(this.tools), settings, ...menu("More", entries));
-    this.head = element("header", { class: "scope-head" }, this.title, this.state, this.again, bar);
+    this.bar = new ScopeBar(
+      this,
+      () => onremove(this),
+      (by) => onmove(this, by),
+    );
+    this.head = element("header", { class: "scope-head" }, this.title, this.state, this.again, this.bar.element);
     this.element = element("section", { class: "scope" }, this.head, this.gone, this.plot, this.readings.element);
     this.gestures = new Gestures(this.plot, this);
   }
@@ -95,8 +98,8 @@ export class ScopeCard {
     this.head.after(this.legend.element);
     this.tell(gone, third);
     this.name();
-    this.offerSpans();
-    this.setPressed();
+    this.bar.offerSpans(config.span_s);
+    this.bar.show(this);
     this.changed();
   }
 
@@ -115,7 +118,10 @@ export class ScopeCard {
   tell(gone, third) {
     const parts = [];
     if (gone.length > 0) parts.push(`This run has no ${gone.join(", ")}.`);
-    if (third.length > 0) parts.push(`Not drawn: ${third.map((s) => s.label).join(", ")}. A plot has two axes (${unitsOf(this.signals).join(", ")}).`);
+    if (third.length > 0)
+      parts.push(
+        `Not drawn: ${third.map((s) => s.label).join(", ")}. A plot has two axes (${unitsOf(this.signals).join(", ")}).`,
+      );
     this.gone.textContent = parts.join(" ");
     this.gone.hidden = parts.length === 0;
   }
@@ -123,14 +129,10 @@ export class ScopeCard {
   name() {
     this.canvas.setAttribute("aria-label", this.config.title);
     this.element.setAttribute("aria-label", `Scope: ${this.config.title}`);
-    this.plot.setAttribute("aria-label", `Plot of ${this.config.title}. Arrows move, plus and minus zoom, space pauses, c shows cursors.`);
-  }
-
-  offerSpans() {
-    const { span } = this.tools;
-    const spans = [...new Set([...SPANS, this.config.span_s])].sort((a, b) => a - b);
-    span.replaceChildren(...spans.map((s) => element("option", { value: s, text: spanText(s) })));
-    span.value = this.config.span_s;
+    this.plot.setAttribute(
+      "aria-label",
+      `Plot of ${this.config.title}. Arrows move, plus and minus zoom, space pauses, c shows cursors.`,
+    );
   }
 
   /** Size, sight and the end of both. */
@@ -169,8 +171,7 @@ export class ScopeCard {
   pause(yes) {
     this.paused = yes;
     this.chart.pause(yes);
-    retool(this.tools.pause, yes ? "play" : "pause", yes ? "Go on" : "Pause");
-    this.setPressed();
+    this.bar.show(this);
     this.changed();
   }
 
@@ -182,7 +183,7 @@ export class ScopeCard {
   toggleCursors() {
     if (!this.chart.cursors || !this.chart.axes) return;
     this.chart.cursors.toggle(this.chart.axes.x);
-    this.setPressed();
+    this.bar.show(this);
     this.numbers_ms = -Infinity;
     this.changed();
   }
@@ -215,7 +216,7 @@ export class ScopeCard {
   restyle(name) {
     this.chart[name] = !this.chart[name];
     this.chart.restyled();
-    this.setPressed();
+    this.bar.show(this);
     this.changed();
   }
 
@@ -235,22 +236,15 @@ export class ScopeCard {
 
   /** Keys of the plot that are not the gestures' own. */
   key(name) {
-    const action = { " ": () => this.pause(!this.paused), c: () => this.toggleCursors(), t: () => this.toggleTrigger(), z: () => this.back(), 0: () => this.back() }[name];
+    const action = {
+      " ": () => this.pause(!this.paused),
+      c: () => this.toggleCursors(),
+      t: () => this.toggleTrigger(),
+      z: () => this.back(),
+      0: () => this.back(),
+    }[name];
     action?.();
     return Boolean(action);
-  }
-
-  setPressed() {
-    const { pause, cursors, trigger } = this.tools;
-    pause.setAttribute("aria-pressed", this.paused);
-    cursors.setAttribute("aria-pressed", this.chart.cursors?.on ?? false);
-    trigger.setAttribute("aria-pressed", Boolean(this.config.trigger));
-    trigger.hidden = this.config.kind !== "time";
-    cursors.hidden = !this.chart.cursors;
-    for (const style of this.styles) {
-      style.hidden = this.config.kind !== "spectrum";
-      style.setAttribute("aria-pressed", Boolean(this.chart[style.value]));
-    }
   }
 
   /**
@@ -284,7 +278,7 @@ export class ScopeCard {
   drawNumbers(now_ms) {
     this.numbers_ms = now_ms;
     this.legend.update(this.store);
-    this.tools.back.disabled = !this.chart.view.zoomed;
+    this.bar.back.disabled = !this.chart.view.zoomed;
     this.readings.show(this.chart.table(this.hidden));
     this.showState();
     if (now_ms - this.words_ms < WORDS_MS) return;
@@ -332,17 +326,4 @@ export class ScopeCard {
     this.watcher.disconnect();
     this.element.remove();
   }
-}
-
-/** How a spectrum is drawn: of this page only, not saved. */
-function spectrumStyles(card) {
-  const names = [["decibels", "dB", "Amplitude in decibels"], ["logarithmic", "log f", "Frequency by decades"]];
-  return names.map(([value, text, title]) => {
-    const onclick = () => card.restyle(value);
-    return element("button", { type: "button", class: "scope-tool scope-word", value, text, title, onclick });
-  });
-}
-
-function spanText(span_s) {
-  return span_s < 1 ? `${span_s * 1000}\u2009ms` : span_s % 60 === 0 ? `${span_s / 60}\u2009min` : `${span_s}\u2009s`;
 }

@@ -3,7 +3,7 @@
 
 import { quantity, readingDecimals } from "./chart_ticks.js";
 import { colourOf, dashed } from "./colours.js";
-import { element } from "./scope_parts.js";
+import { element } from "./element.js";
 
 export class Legend {
   /**
@@ -24,7 +24,12 @@ export class Legend {
     const value = element("span", { class: "scope-value" });
     const button = element(
       "button",
-      { type: "button", "aria-pressed": !this.hidden.has(signal.key), title: "Show or hide", onclick: () => this.toggle(signal.key, button) },
+      {
+        type: "button",
+        "aria-pressed": !this.hidden.has(signal.key),
+        title: "Show or hide",
+        onclick: () => this.toggle(signal.key, button),
+      },
       element("i", { class: dashed(signal.key) ? "scope-swatch dashed" : "scope-swatch", "aria-hidden": "true" }),
       element("span", { class: "scope-name", text: signal.label }),
       value,

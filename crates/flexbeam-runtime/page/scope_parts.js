@@ -1,7 +1,7 @@
-// Small parts that scope cards are built of: elements, buttons with pictures, menus.
+// Small parts that scope cards are built of: buttons with pictures, menus.
 // Enters: names and words. Leaves: elements of the page.
 
-const SVG = "http://www.w3.org/2000/svg";
+import { drawing, element } from "./element.js";
 
 /** Pictures of 20 x 20: strokes only, in the colour of the text. */
 const PICTURES = {
@@ -14,38 +14,18 @@ const PICTURES = {
   more: "M5 10h.01M10 10h.01M15 10h.01",
 };
 
-/**
- * An element.
- * @param {string} tag
- * @param {Record<string, unknown>} properties attributes; `class`, `text` and `on...` as one expects
- * @param {...(Node|string)} children
- */
-export function element(tag, properties = {}, ...children) {
-  const made = document.createElement(tag);
-  for (const [name, value] of Object.entries(properties)) {
-    if (name === "text") made.textContent = value;
-    else if (name.startsWith("on")) made.addEventListener(name.slice(2), value);
-    else if (value === true) made.setAttribute(name, "");
-    else if (value !== false && value !== null && value !== undefined) made.setAttribute(name, value);
-  }
-  made.append(...children);
-  return made;
-}
-
 /** A picture; its meaning stands on the button. */
 export function picture(name) {
-  const svg = document.createElementNS(SVG, "svg");
-  svg.setAttribute("viewBox", "0 0 20 20");
-  svg.setAttribute("aria-hidden", "true");
-  const path = document.createElementNS(SVG, "path");
-  path.setAttribute("d", PICTURES[name]);
-  svg.append(path);
-  return svg;
+  return drawing("svg", { viewBox: "0 0 20 20", "aria-hidden": "true" }, drawing("path", { d: PICTURES[name] }));
 }
 
 /** A button with a picture and a name that is read out and shown as a tip. */
 export function tool(name, label, onclick, pressed) {
-  const button = element("button", { type: "button", class: "scope-tool", "aria-label": label, title: label, onclick }, picture(name));
+  const button = element(
+    "button",
+    { type: "button", class: "scope-tool", "aria-label": label, title: label, onclick },
+    picture(name),
+  );
   if (pressed !== undefined) button.setAttribute("aria-pressed", pressed);
   return button;
 }

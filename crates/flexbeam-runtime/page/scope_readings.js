@@ -1,15 +1,20 @@
 // The table of what the cursors read.
 // Enters: a heading and rows as text. Leaves: a table of the page, hidden when the cursors are.
 
-import { element } from "./scope_parts.js";
-
+import { element } from "./element.js";
 
 export class Readings {
   constructor() {
     this.rows = element("tbody");
     this.note = element("caption");
     this.head = element("tr");
-    this.element = element("table", { class: "scope-readings", hidden: true }, this.note, element("thead", {}, this.head), this.rows);
+    this.element = element(
+      "table",
+      { class: "scope-readings", hidden: true },
+      this.note,
+      element("thead", {}, this.head),
+      this.rows,
+    );
   }
 
   /**

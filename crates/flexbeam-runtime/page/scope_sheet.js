@@ -3,11 +3,23 @@
 
 import { unitsOf } from "./chart_signals.js";
 import { colourOf } from "./colours.js";
-import { element } from "./scope_parts.js";
+import { element } from "./element.js";
 
-const KINDS = [["time", "Time"], ["xy", "XY"], ["spectrum", "Spectrum"]];
-const EDGES = [["rising", "Rising"], ["falling", "Falling"], ["either", "Either"]];
-const MODES = [["auto", "Auto: rolls while nothing crosses"], ["normal", "Normal: keeps the last crossing"], ["single", "Single: keeps the first crossing"]];
+const KINDS = [
+  ["time", "Time"],
+  ["xy", "XY"],
+  ["spectrum", "Spectrum"],
+];
+const EDGES = [
+  ["rising", "Rising"],
+  ["falling", "Falling"],
+  ["either", "Either"],
+];
+const MODES = [
+  ["auto", "Auto: rolls while nothing crosses"],
+  ["normal", "Normal: keeps the last crossing"],
+  ["single", "Single: keeps the first crossing"],
+];
 
 export class ScopeSheet {
   /**
@@ -22,7 +34,16 @@ export class ScopeSheet {
     this.chosen = scope.signals.filter((key) => signals.some((signal) => signal.key === key));
     this.error = element("p", { class: "scope-error", role: "alert" });
     this.form = element("form", { method: "dialog", novalidate: true, onsubmit: (event) => this.take(event) }, ...this.parts());
-    this.element = element("dialog", { class: "scope-sheet", "aria-label": "Scope settings", onclose: () => this.leave(), onkeydown: (event) => this.key(event) }, this.form);
+    this.element = element(
+      "dialog",
+      {
+        class: "scope-sheet",
+        "aria-label": "Scope settings",
+        onclose: () => this.leave(),
+        onkeydown: (event) => this.key(event),
+      },
+      this.form,
+    );
     this.followSignals();
     this.followKind();
     this.before = document.activeElement;
@@ -56,7 +77,12 @@ export class ScopeSheet {
     return [
       element("h2", { text: "Scope settings" }),
       row("Title", this.title),
-      element("fieldset", { class: "scope-kinds" }, element("legend", { text: "Kind" }), ...KINDS.map(([value, text]) => radio("kind", value, text, scope.kind === value, () => this.followKind()))),
+      element(
+        "fieldset",
+        { class: "scope-kinds" },
+        element("legend", { text: "Kind" }),
+        ...KINDS.map(([value, text]) => radio("kind", value, text, scope.kind === value, () => this.followKind())),
+      ),
       this.signalList(),
       row("Span", this.span, "s"),
       this.rangePart(),
@@ -72,7 +98,14 @@ export class ScopeSheet {
       box.checked = this.chosen.includes(signal.key);
       const swatch = element("i", { class: "scope-swatch", "aria-hidden": "true" });
       swatch.style.setProperty("--signal", colourOf(signal.key));
-      const label = element("label", {}, box, swatch, element("span", { text: signal.label }), element("small", { text: signal.unit }));
+      const label = element(
+        "label",
+        {},
+        box,
+        swatch,
+        element("span", { text: signal.label }),
+        element("small", { text: signal.unit }),
+      );
       return { signal, box, label };
     });
     this.across = element("select", { onchange: () => this.putFirst(this.across.value) });
@@ -89,7 +122,13 @@ export class ScopeSheet {
     this.low = number("low", "");
     this.high = number("high", "");
     this.unit = element("span", { class: "scope-unit" });
-    this.rangeRow = element("div", { class: "scope-row" }, element("label", { text: "From " }, this.low), element("label", { text: "to " }, this.high), this.unit);
+    this.rangeRow = element(
+      "div",
+      { class: "scope-row" },
+      element("label", { text: "From " }, this.low),
+      element("label", { text: "to " }, this.high),
+      this.unit,
+    );
     const fit = element("label", { class: "scope-check" }, this.fitted, "Fit to the data");
     return element("fieldset", {}, element("legend", { text: "Left axis" }), fit, this.rangeRow);
   }
@@ -98,14 +137,30 @@ export class ScopeSheet {
     const { trigger } = this.scope;
     this.triggered = element("input", { type: "checkbox", onchange: () => this.followTrigger() });
     this.triggered.checked = Boolean(trigger);
-    this.source = choice(this.all.map((signal) => [signal.key, signal.label]), trigger?.signal ?? this.chosen[0]);
+    this.source = choice(
+      this.all.map((signal) => [signal.key, signal.label]),
+      trigger?.signal ?? this.chosen[0],
+    );
     this.source.addEventListener("change", () => this.followTrigger());
     this.edge = choice(EDGES, trigger?.edge ?? "rising");
     this.mode = choice(MODES, trigger?.mode ?? "auto");
     this.level = number("level", trigger ? trim(trigger.level * this.factorOf(trigger.signal)) : 0);
     this.levelUnit = element("span", { class: "scope-unit" });
     this.before = number("before", trim((trigger?.before ?? 0.1) * 100));
-    this.triggerRows = element("div", {}, row("Signal", this.source), row("Edge", this.edge), element("div", { class: "scope-row" }, element("label", {}, element("span", { text: "Level" }), this.level), this.levelUnit), row("Mode", this.mode), row("Before the crossing", this.before, "%"));
+    this.triggerRows = element(
+      "div",
+      {},
+      row("Signal", this.source),
+      row("Edge", this.edge),
+      element(
+        "div",
+        { class: "scope-row" },
+        element("label", {}, element("span", { text: "Level" }), this.level),
+        this.levelUnit,
+      ),
+      row("Mode", this.mode),
+      row("Before the crossing", this.before, "%"),
+    );
     const on = element("label", { class: "scope-check" }, this.triggered, "Stand still at a crossing");
     this.triggerField = element("fieldset", {}, element("legend", { text: "Trigger" }), on, this.triggerRows);
     return this.triggerField;
@@ -144,7 +199,9 @@ export class ScopeSheet {
       label.classList.toggle("off", box.disabled);
     }
     this.hint.textContent = full ? `A plot has two axes; these are ${units.join(" and ")}.` : "";
-    this.across.replaceChildren(...this.chosen.map((key) => element("option", { value: key, text: this.all.find((s) => s.key === key).label })));
+    this.across.replaceChildren(
+      ...this.chosen.map((key) => element("option", { value: key, text: this.all.find((s) => s.key === key).label })),
+    );
     this.followRange();
   }
 
@@ -174,7 +231,8 @@ export class ScopeSheet {
     const scope = { title: this.title.value.trim(), kind: this.kind, signals: this.chosen, span_s: this.span.valueAsNumber };
     if (!scope.title) return wrong(this.title, "found no title, needed a few words");
     const least = scope.kind === "xy" ? 2 : 1;
-    if (scope.signals.length < least) return wrong(this.boxes[0].box, `found ${scope.signals.length} signals, needed ${least} or more`);
+    if (scope.signals.length < least)
+      return wrong(this.boxes[0].box, `found ${scope.signals.length} signals, needed ${least} or more`);
     if (!(scope.span_s > 0 && scope.span_s < Infinity)) return wrong(this.span, "the span must be a number of seconds above 0");
     if (!this.fitted.checked) {
       const factor = this.vertical[0]?.factor ?? 1;
@@ -182,9 +240,16 @@ export class ScopeSheet {
       if (!(scope.range[0] < scope.range[1])) return wrong(this.high, "the upper end must be a number above the lower one");
     }
     if (scope.kind === "time" && this.triggered.checked) {
-      scope.trigger = { signal: this.source.value, edge: this.edge.value, level: this.level.valueAsNumber / this.factorOf(this.source.value), mode: this.mode.value, before: this.before.valueAsNumber / 100 };
+      scope.trigger = {
+        signal: this.source.value,
+        edge: this.edge.value,
+        level: this.level.valueAsNumber / this.factorOf(this.source.value),
+        mode: this.mode.value,
+        before: this.before.valueAsNumber / 100,
+      };
       if (!Number.isFinite(scope.trigger.level)) return wrong(this.level, "the level must be a number");
-      if (!(scope.trigger.before >= 0 && scope.trigger.before <= 1)) return wrong(this.before, "the share before the crossing must be 0 to 100 %");
+      if (!(scope.trigger.before >= 0 && scope.trigger.before <= 1))
+        return wrong(this.before, "the share before the crossing must be 0 to 100 %");
     }
     return { scope };
   }
@@ -204,7 +269,13 @@ function wrong(field, error) {
 }
 
 function row(text, field, unit = "") {
-  return element("label", { class: "scope-row" }, element("span", { text }), field, element("span", { class: "scope-unit", text: unit }));
+  return element(
+    "label",
+    { class: "scope-row" },
+    element("span", { text }),
+    field,
+    element("span", { class: "scope-unit", text: unit }),
+  );
 }
 
 function number(name, value) {

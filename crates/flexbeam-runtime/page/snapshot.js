@@ -51,7 +51,11 @@ function sizeOf({ chart, hidden, width, height }) {
   const signals = chart.shown(hidden);
   const ruler = document.createElement("canvas").getContext("2d");
   const lines = 1 + legendOf(ruler, signals, width, 1).reduce((most, entry) => Math.max(most, entry.line), 0);
-  return { width: Math.round(width), height: Math.round(HEAD + LEGEND * lines + height + rows * ROW + (rows > 0 ? 10 : 0)), lines };
+  return {
+    width: Math.round(width),
+    height: Math.round(HEAD + LEGEND * lines + height + rows * ROW + (rows > 0 ? 10 : 0)),
+    lines,
+  };
 }
 
 function drawHead(context, { title, stamp, width }, unit) {
@@ -85,7 +89,12 @@ function legendOf(context, signals, width, unit) {
 function drawEntry(context, { signal, x, line }, unit) {
   const y = HEAD + LEGEND * line + LEGEND / 2 - 2;
   context.fillStyle = colourOf(signal.key);
-  const dashes = dashed(signal.key) ? [[0, 6], [10, 6]] : [[0, 16]];
+  const dashes = dashed(signal.key)
+    ? [
+        [0, 6],
+        [10, 6],
+      ]
+    : [[0, 16]];
   for (const [from, wide] of dashes) context.fillRect((x + from) * unit, (y - 1.5) * unit, wide * unit, 3 * unit);
   context.font = font(unit, 12.5);
   context.fillStyle = paper().ink;
@@ -101,7 +110,8 @@ function drawTable(context, table, top, width, unit) {
   const lines = [{ cells: table.head, head: true }, ...table.rows];
   lines.forEach(({ cells, colour, head }, k) => {
     const y = top + (k + 0.5) * ROW * unit;
-    if (k > 0) hair(context, { unit }, paper().line, [[SIDE * unit, y - (ROW / 2) * unit, width - SIDE * unit, y - (ROW / 2) * unit]]);
+    if (k > 0)
+      hair(context, { unit }, paper().line, [[SIDE * unit, y - (ROW / 2) * unit, width - SIDE * unit, y - (ROW / 2) * unit]]);
     if (colour) {
       context.fillStyle = colour;
       context.fillRect(SIDE * unit, y - 7 * unit, 3 * unit, 14 * unit);
@@ -148,7 +158,12 @@ export function offer(name, blob) {
 
 /** Name of a file: the title in plain letters, and when. */
 export function fileName(title, when, extension) {
-  const plain = title.normalize("NFKD").replace(/[^a-zA-Z0-9]+/g, "-").replace(/^-+|-+$/g, "").toLowerCase() || "scope";
+  const plain =
+    title
+      .normalize("NFKD")
+      .replace(/[^a-zA-Z0-9]+/g, "-")
+      .replace(/^-+|-+$/g, "")
+      .toLowerCase() || "scope";
   const two = (n) => String(n).padStart(2, "0");
   const day = `${when.getFullYear()}-${two(when.getMonth() + 1)}-${two(when.getDate())}`;
   return `${plain}_${day}_${two(when.getHours())}${two(when.getMinutes())}${two(when.getSeconds())}.${extension}`;

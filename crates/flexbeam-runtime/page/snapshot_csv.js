@@ -15,7 +15,9 @@ export function csv(store, keys, begin, end) {
   const old = store.count > 0 ? store.tickAt(store.rawFirst) : NaN;
   // What the store has never held is not missing.
   if (store.rawFirst > 0 && begin < old) {
-    lines.push(`# raw samples reach back to ${time(old, store)} s only; the plot begins at ${time(Math.max(begin, store.first), store)} s`);
+    lines.push(
+      `# raw samples reach back to ${time(old, store)} s only; the plot begins at ${time(Math.max(begin, store.first), store)} s`,
+    );
   }
   lines.push(["time_s", ...keys].join(","));
   const last = store.count > 0 ? store.findRaw(end) : 0;

@@ -16,7 +16,17 @@ export class SvgContext {
     this.dx = 0;
     this.dy = 0;
     this.clipped = null;
-    Object.assign(this, { fillStyle: "#000", strokeStyle: "#000", lineWidth: 1, lineJoin: "miter", lineCap: "butt", globalAlpha: 1, font: "10px sans-serif", textAlign: "left", textBaseline: "alphabetic" });
+    Object.assign(this, {
+      fillStyle: "#000",
+      strokeStyle: "#000",
+      lineWidth: 1,
+      lineJoin: "miter",
+      lineCap: "butt",
+      globalAlpha: 1,
+      font: "10px sans-serif",
+      textAlign: "left",
+      textBaseline: "alphabetic",
+    });
     this.ruler = document.createElement("canvas").getContext("2d");
   }
 
@@ -48,7 +58,9 @@ export class SvgContext {
   /** A whole circle: plots draw no other arcs. */
   arc(x, y, r) {
     const round = short(r);
-    this.commands.push(`M${this.at(x - r, y)}a${round} ${round} 0 1 0 ${short(2 * r)} 0a${round} ${round} 0 1 0 ${short(-2 * r)} 0`);
+    this.commands.push(
+      `M${this.at(x - r, y)}a${round} ${round} 0 1 0 ${short(2 * r)} 0a${round} ${round} 0 1 0 ${short(-2 * r)} 0`,
+    );
   }
 
   rect(x, y, width, height) {
@@ -85,14 +97,18 @@ export class SvgContext {
   }
 
   fillRect(x, y, width, height) {
-    this.parts.push(`<rect x="${short(x + this.dx)}" y="${short(y + this.dy)}" width="${short(width)}" height="${short(height)}" fill="${this.fillStyle}"${this.common()}/>`);
+    this.parts.push(
+      `<rect x="${short(x + this.dx)}" y="${short(y + this.dy)}" width="${short(width)}" height="${short(height)}" fill="${this.fillStyle}"${this.common()}/>`,
+    );
   }
 
   fillText(text, x, y) {
     const [, weight, size, face] = /^(?:(\d+) )?([\d.]+)px (.*)$/.exec(this.font);
     const base = y + this.dy + DROP[this.textBaseline] * Number(size);
     const named = ` font-family="${escape(face)}" font-size="${size}" font-weight="${weight ?? 400}"`;
-    this.parts.push(`<text x="${short(x + this.dx)}" y="${short(base)}" text-anchor="${ANCHORS[this.textAlign]}"${named} fill="${this.fillStyle}"${this.common()}>${escape(text)}</text>`);
+    this.parts.push(
+      `<text x="${short(x + this.dx)}" y="${short(base)}" text-anchor="${ANCHORS[this.textAlign]}"${named} fill="${this.fillStyle}"${this.common()}>${escape(text)}</text>`,
+    );
   }
 
   measureText(text) {
@@ -114,7 +130,15 @@ export class SvgContext {
     const body = this.parts.map((part) => (typeof part === "string" ? part : `<path d="${part.d.join("")}"${part.look}/>`));
     const size = `width="${this.width}" height="${this.height}" viewBox="0 0 ${this.width} ${this.height}"`;
     const style = "<style>text{font-variant-numeric:tabular-nums}</style>";
-    return [`<svg xmlns="http://www.w3.org/2000/svg" ${size} role="img">`, `<title>${escape(title)}</title>`, style, `<defs>${this.clips.join("")}</defs>`, ...body, "</svg>", ""].join("\n");
+    return [
+      `<svg xmlns="http://www.w3.org/2000/svg" ${size} role="img">`,
+      `<title>${escape(title)}</title>`,
+      style,
+      `<defs>${this.clips.join("")}</defs>`,
+      ...body,
+      "</svg>",
+      "",
+    ].join("\n");
   }
 }
 

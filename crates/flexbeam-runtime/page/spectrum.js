@@ -42,7 +42,9 @@ export class SpectrumChart extends Chart {
   }
 
   stamp(now_ms) {
-    return this.frozen ? `frozen ${this.store.epoch}` : `${this.store.epoch} ${this.store.count > 0} ${Math.floor(now_ms / EVERY_MS)}`;
+    return this.frozen
+      ? `frozen ${this.store.epoch}`
+      : `${this.store.epoch} ${this.store.count > 0} ${Math.floor(now_ms / EVERY_MS)}`;
   }
 
   /** Other axes: what was chosen by hand on the old ones is void. */
@@ -145,7 +147,7 @@ export class SpectrumChart extends Chart {
     context.lineJoin = "round";
     const pen = new Pen(context);
     const [first, last] = this.axes.x.map((end) => this.frequency(end) / this.bin_hz);
-    for (let bin = Math.max(1, Math.floor(first)); bin < Math.min(spectrum.length, last + 2); ) {
+    for (let bin = Math.max(1, Math.floor(first)); bin < Math.min(spectrum.length, last + 2);) {
       const column = Math.floor(x(bin));
       let [least, greatest] = [spectrum[bin], spectrum[bin]];
       const begin = bin;

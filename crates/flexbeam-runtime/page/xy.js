@@ -29,7 +29,9 @@ export class XyChart extends Chart {
   }
 
   stamp(now_ms) {
-    return this.frozen ? `frozen ${this.store.epoch}` : `${this.store.epoch} ${this.store.count > 0} ${Math.floor(now_ms / EVERY_MS)}`;
+    return this.frozen
+      ? `frozen ${this.store.epoch}`
+      : `${this.store.epoch} ${this.store.count > 0} ${Math.floor(now_ms / EVERY_MS)}`;
   }
 
   compose(frame, hidden, now_ms) {
@@ -104,7 +106,8 @@ export class XyChart extends Chart {
 
   drawNewest(context, frame, signal) {
     const [x, y] = this.place(frame, signal)(this.stretch[1] - 1);
-    if (x >= 0 && x <= frame.width && y >= 0 && y <= frame.height) spot(context, frame, colourOf(signal.key), frame.left + x, frame.top + y);
+    if (x >= 0 && x <= frame.width && y >= 0 && y <= frame.height)
+      spot(context, frame, colourOf(signal.key), frame.left + x, frame.top + y);
   }
 
   /** Ticks that are shown: [begin, end). */
@@ -116,8 +119,12 @@ export class XyChart extends Chart {
   /** The newest pair. */
   table(hidden) {
     if (!this.axes || this.signals.length < 2 || this.store.count === 0) return null;
-    const text = ({ key, factor, unit }) => quantity(this.store.valueAt(this.store.channels.get(key), this.stretch[1] - 1) * factor, readingDecimals(unit), unit);
-    const rows = this.shown(hidden).map((signal) => ({ cells: [signal.label, text(this.signals[0]), text(signal)], colour: colourOf(signal.key) }));
+    const text = ({ key, factor, unit }) =>
+      quantity(this.store.valueAt(this.store.channels.get(key), this.stretch[1] - 1) * factor, readingDecimals(unit), unit);
+    const rows = this.shown(hidden).map((signal) => ({
+      cells: [signal.label, text(this.signals[0]), text(signal)],
+      colour: colourOf(signal.key),
+    }));
     return { head: ["Signal", `x: ${this.signals[0].label}`, "y"], rows, note: "" };
   }
 }
