@@ -71,8 +71,9 @@ pub use run_file::{
 };
 pub use run_result::{LinkCounts, RunResult, ServeResult, TimeQuantiles};
 pub use scope_wire::{
-    Asking, Attendance, Attendant, CertificateFigure, CertificateSummary, Deed, Enter, Hello, Knob, PageMessage,
-    SCOPE_PROTOCOL, ScopeRun, ScopeSignal, ScopeState, ScopeTiming, ServerMessage, SignalKind, TokenFound, ViewerMay,
+    Asking, Attendance, Attendant, CertificateFigure, CertificateSummary, Deed, DeedRequest, Enter, Hello, Knob,
+    PageMessage, SCOPE_PROTOCOL, ScopeRun, ScopeSignal, ScopeState, ScopeTiming, ServerMessage, SignalKind, TokenFound,
+    ViewerMay,
 };
 pub use screen::{Edge, Panel, Scope, ScopeKind, Screen, Trigger, TriggerMode};
 pub use settings::{Channel, Law, Settings};

@@ -22,7 +22,7 @@ pub enum PageMessage {
         /// Comes back with the reply.
         id: u64,
         /// What.
-        request: Deed,
+        request: DeedRequest,
     },
     /// Other settings: all of them or none.
     Set {
@@ -78,9 +78,18 @@ pub struct Enter {
     pub run: Option<String>,
 }
 
+/// A deed that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeedRequest {
+    /// Which.
+    #[serde(rename = "do")]
+    pub deed: Deed,
+}
+
 /// What a viewer with the token may do to a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
+#[serde(rename_all = "lowercase")]
 pub enum Deed {
     /// From armed to running.
     Start,
@@ -376,7 +385,7 @@ mod tests {
         assert_eq!(values["law"], SettingValue::Word("inverse".into()));
         assert_eq!(values["reference.amplitude_rad"], SettingValue::Number(0.5));
         let deed = PageMessage::parse(r#"{"type":"do","id":1,"request":{"do":"emergency"}}"#);
-        assert_eq!(deed, Ok(PageMessage::Do { id: 1, request: Deed::Emergency }));
+        assert_eq!(deed, Ok(PageMessage::Do { id: 1, request: DeedRequest { deed: Deed::Emergency } }));
         for refused in [
             r#"{"type":"do","id":1,"request":{"do":"status"}}"#,
             r#"{"type":"do","id":1,"request":{"do":"start","now":true}}"#,
@@ -399,7 +408,7 @@ mod tests {
     fn each_message_comes_back_with_its_id() {
         let values = BTreeMap::from([("eps_u_v".to_string(), SettingValue::Number(0.02))]);
         for message in [
-            PageMessage::Do { id: 7, request: Deed::Start },
+            PageMessage::Do { id: 7, request: DeedRequest { deed: Deed::Start } },
             PageMessage::Set { id: 7, values },
             PageMessage::Take { id: 7 },
             PageMessage::Release { id: 7 },

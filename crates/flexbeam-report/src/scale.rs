@@ -188,7 +188,7 @@ impl Axis {
     }
 
     fn log_ticks(&self, most: usize) -> Ticks {
-        let candidates: Vec<Vec<(u8, i32)>> = self.log_candidates();
+        let candidates: Vec<Vec<(u8, i32)>> = self.log_candidates(most);
         let enough = candidates.iter().position(|ticks| ticks.len() >= FEWEST);
         let finest = candidates.iter().rposition(|ticks| ticks.len() <= most).unwrap_or(0);
         let Some(enough) = enough else { return self.linear_ticks(most) };
@@ -207,8 +207,9 @@ impl Axis {
         Ticks { major, minor, exponent: 0 }
     }
 
-    /// Tick sets from coarse to fine: decades with wide steps down to one, then 1-3, then 1-2-5.
-    fn log_candidates(&self) -> Vec<Vec<(u8, i32)>> {
+    /// Tick sets from coarse to fine: decades with wide steps down to one, then 1-2-5 or, where decades are too
+    /// few and that is too much, 1-3.
+    fn log_candidates(&self, most: usize) -> Vec<Vec<(u8, i32)>> {
         let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
         let set = |stride: i32, mantissas: &[u8]| -> Vec<(u8, i32)> {
             let exponents = (first..=last).filter(|e| e % stride == 0);
@@ -216,7 +217,9 @@ impl Axis {
             all.filter(|(m, e)| self.inside(power(*m, *e))).collect()
         };
         let mut sets: Vec<_> = [100, 50, 20, 10, 5, 2, 1].iter().map(|stride| set(*stride, &[1])).collect();
-        sets.extend([set(1, &[1, 3]), set(1, &[1, 2, 5])]);
+        let (coarse, fine) = (set(1, &[1, 3]), set(1, &[1, 2, 5]));
+        let few_decades = sets.last().is_none_or(|decades| decades.len() < FEWEST);
+        sets.push(if few_decades && fine.len() > most && coarse.len() >= FEWEST { coarse } else { fine });
         sets
     }
 

@@ -158,6 +158,9 @@ fn bytes_that_are_no_frames_end_their_own_connection_alone() {
 #[test]
 fn a_message_that_is_too_big_is_refused_as_such() {
     let run = Run::armed();
+    let mut stranger = handshake(&run.server.address().to_string(), &[]).unwrap();
+    stranger.send(Message::text("x".repeat(70_000))).unwrap();
+    assert_eq!(read(&mut stranger), Said::Closed(1009), "before it entered");
     for bytes in [64 * 1024 + 1, 1 << 20] {
         let mut viewer = run.onlooker();
         // The server may have closed before all of it is sent.

@@ -133,8 +133,9 @@ fn a_run_is_started_changed_and_stopped_in_the_browser() {
 #[test]
 fn a_run_without_a_certificate_says_so_on_the_page() {
     let bench = bench();
-    let text = bench.read("controller.toml").replacen("bound_norm = ", "bound_norm = 1", 1);
-    bench.write("controller.toml", &text);
+    let text = bench.read("controller.toml");
+    let row = text.lines().skip_while(|line| !line.starts_with("A = [")).nth(1).unwrap();
+    bench.write("controller.toml", &text.replacen(row, &row.replacen("0.0,", "0.01,", 1), 1));
     let run = Run::start(&bench, "--wait --scope 0 --unverified test");
     let mut viewer = run.viewer("tablet");
     let certificate = viewer.hello["certificate"].clone();

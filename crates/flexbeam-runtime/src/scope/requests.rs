@@ -66,7 +66,7 @@ impl Hall {
     pub(super) fn obey(&self, id: u64, message: &PageMessage) -> Result<(), NotDone> {
         let done = match message {
             PageMessage::Enter(_) => Ok(()),
-            PageMessage::Do { request, .. } => self.act(id, *request),
+            PageMessage::Do { request, .. } => self.act(id, request.deed),
             PageMessage::Set { values, .. } => self.set(id, values),
             PageMessage::Take { .. } => self.seats(|seats, now| seats.take(now, id)).map_err(NotDone::from),
             PageMessage::Release { .. } => self.seats(|seats, now| seats.release(now, id)).map_err(NotDone::from),

@@ -69,9 +69,19 @@ pub(super) async fn serve(socket: WebSocket, hall: Arc<Hall>, connection: Arc<Co
     };
     let goodbye = Message::Close(Some(CloseFrame { code: end.0, reason: end.1.into() }));
     let said = async {
-        let _ = tell.send(goodbye).await;
+        if tell.send(goodbye).await.is_err() {
+            return;
+        }
         // Until the other side has closed, too: what it still sends must not cut our last words off.
-        while hear.next().await.is_some_and(|heard| heard.is_ok()) {}
+        while let Some(Ok(heard)) = hear.next().await {
+            if matches!(heard, Message::Close(_)) {
+                return;
+            }
+        }
+        // It was cut short in the middle of a message, and may still be sending it.
+        if end != End::GONE {
+            std::future::pending::<()>().await;
+        }
     };
     let _ = timeout(FAREWELL, said).await;
 }
