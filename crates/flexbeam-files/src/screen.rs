@@ -173,7 +173,7 @@ impl Screen {
         let reference: Vec<&str> = reference.iter().map(String::as_str).chain(["smooth_ticks"]).collect();
         Screen {
             scopes: vec![
-                scope("Tip angle", &["reference_rad", "psi_rad", "y_model_rad"]),
+                scope("Tip angle", &["reference_rad", "y_model_rad", "psi_rad"]),
                 scope("Voltage", &["voltage_v", "u_v"]),
                 scope("Deflection", &["alpha_rad"]),
             ],

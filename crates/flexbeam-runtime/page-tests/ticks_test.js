@@ -1,5 +1,6 @@
 import { decades, marks, number, quantity, stepAbove } from "../page/chart_ticks.js";
 import { AutoRange, fit, fitBeside } from "../page/chart_range.js";
+import { calm } from "../page/chart_values.js";
 import { check, near, random, same } from "./check.js";
 
 export function stepsAre125() {
@@ -79,4 +80,11 @@ export function rangeGrowsAtOnceAndShrinksLate() {
   check(range.update([-0.2, 0.2], 2000).low > -1, "shrinks at last");
   const kept = range.update([-0.2, 0.2], 2100);
   for (let k = 0; k < 200; k += 1) same(range.update([-0.2 - 0.01 * Math.sin(k), 0.2], 2100 + 50 * k), kept, "does not jitter");
+}
+
+export function noiseAtRestIsNotBlownUp() {
+  same(calm([-0.02, 0.02], "°"), [-0.25, 0.25], "a resting angle");
+  same(calm([-20, 20], "°"), [-20, 20], "a moving one");
+  same(calm([0, 1e-6], "µs"), [0, 1e-6], "a unit without a rule");
+  check(calm([NaN, NaN], "°").every(Number.isNaN), "nothing stays nothing");
 }
