@@ -75,7 +75,7 @@ pub use scope_wire::{
     PageMessage, SCOPE_PROTOCOL, ScopeRun, ScopeSignal, ScopeState, ScopeTiming, ServerMessage, SignalKind, TokenFound,
     ViewerMay,
 };
-pub use screen::{Edge, Panel, Scope, ScopeKind, Screen, Trigger, TriggerMode};
+pub use screen::{AmplitudeAxis, Edge, FrequencyAxis, Panel, Scope, ScopeKind, Screen, Trigger, TriggerMode};
 pub use settings::{Channel, Law, Settings};
 pub use stiffness::{NoStiffness, Stiffness};
 pub use summary::{DirectionSummary, IdentificationSummary, LawSummary, PlantTable, ReproduceSummary};

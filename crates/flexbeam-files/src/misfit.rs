@@ -120,7 +120,8 @@ impl Fault {
 
 impl fmt::Display for Misfit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: found {}, needed {}", written(&self.path), self.fault.found(), self.fault.needed())
+        let fault = self.clone().into_fault();
+        write!(f, "found {}, needed {}", fault.found(), fault.needed())
     }
 }
 

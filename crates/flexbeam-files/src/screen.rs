@@ -35,6 +35,12 @@ pub struct Scope {
     /// Ends of the value axis, in the unit of the first signal [rad, V, ...]. Left out: fits what is shown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
+    /// How a spectrum shows amplitudes. Default `linear`.
+    #[serde(default, skip_serializing_if = "is_usual")]
+    pub amplitude: AmplitudeAxis,
+    /// How a spectrum shows frequencies. Default `logarithmic`.
+    #[serde(default, skip_serializing_if = "is_usual")]
+    pub frequency: FrequencyAxis,
     /// Where the time axis stands still. Left out: it rolls.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trigger: Option<Trigger>,
@@ -51,6 +57,28 @@ pub enum ScopeKind {
     Xy,
     /// Amplitude spectrum.
     Spectrum,
+}
+
+/// Amplitudes of a spectrum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AmplitudeAxis {
+    /// In the signal's unit.
+    #[default]
+    Linear,
+    /// 20 log10 of it.
+    Decibels,
+}
+
+/// Frequencies of a spectrum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FrequencyAxis {
+    /// By decades.
+    #[default]
+    Logarithmic,
+    /// By hertz.
+    Linear,
 }
 
 /// The instant that stands still.
@@ -111,6 +139,10 @@ pub struct Panel {
     pub ranges: BTreeMap<String, [f64; 2]>,
 }
 
+fn is_usual<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 fn ten_seconds() -> f64 {
     10.0
 }
@@ -128,6 +160,8 @@ impl Screen {
             signals: signals.iter().map(|signal| (*signal).into()).collect(),
             span_s: ten_seconds(),
             range: None,
+            amplitude: AmplitudeAxis::Linear,
+            frequency: FrequencyAxis::Logarithmic,
             trigger: None,
         };
         let panel = |title: &str, settings: &[&str]| Panel {
@@ -139,7 +173,7 @@ impl Screen {
         let reference: Vec<&str> = reference.iter().map(String::as_str).chain(["smooth_ticks"]).collect();
         Screen {
             scopes: vec![
-                scope("Tip angle", &["reference_rad", "psi_rad", "y_model_rad"]),
+                scope("Tip angle", &["reference_rad", "y_model_rad", "psi_rad"]),
                 scope("Voltage", &["voltage_v", "u_v"]),
                 scope("Deflection", &["alpha_rad"]),
             ],

@@ -1,8 +1,9 @@
 //! Projects: read with places, saved in place.
 
 use flexbeam_files::{
-    Document, Edge, Error, Fault, Law, LiveSettings, Overwrite, Panel, Project, ProjectFile, RunReference, RunSample,
-    RunShape, Scope, ScopeKind, Screen, Settings, Tried, Trigger, TriggerMode, Written,
+    AmplitudeAxis, Document, Edge, Error, Fault, FrequencyAxis, Law, LiveSettings, Overwrite, Panel, Project,
+    ProjectFile, RunReference, RunSample, RunShape, Scope, ScopeKind, Screen, Settings, Tried, Trigger, TriggerMode,
+    Written,
 };
 use proptest::prelude::*;
 use std::collections::BTreeMap;
@@ -273,6 +274,8 @@ fn scopes_come_go_and_change_places() {
         signals: signals.iter().map(|name| (*name).into()).collect(),
         span_s: 1.0,
         range: None,
+        amplitude: AmplitudeAxis::Linear,
+        frequency: FrequencyAxis::Logarithmic,
         trigger: None,
     };
     screen.scopes.insert(1, plain("New", &["alpha_rad"]));
@@ -468,8 +471,11 @@ fn screens() -> impl Strategy<Value = Screen> {
                 let mode = if before > 0.5 { TriggerMode::Single } else { TriggerMode::Auto };
                 Trigger { signal: signal.into(), edge, level, mode, before }
             });
-    let scope = (title(), 0..3usize, signals(), 1e-3..1e3, prop::option::of(ends()), prop::option::of(trigger))
-        .prop_map(|(title, kind, signals, span_s, range, trigger)| Scope {
+    let axes = (any::<bool>(), any::<bool>());
+    let scope = (title(), 0..3usize, signals(), 1e-3..1e3, prop::option::of(ends()), prop::option::of(trigger), axes)
+        .prop_map(|(title, kind, signals, span_s, range, trigger, (decibels, linear))| Scope {
+            amplitude: if decibels { AmplitudeAxis::Decibels } else { AmplitudeAxis::Linear },
+            frequency: if linear { FrequencyAxis::Linear } else { FrequencyAxis::Logarithmic },
             title,
             kind: [ScopeKind::Time, ScopeKind::Xy, ScopeKind::Spectrum][kind],
             signals: signals.into_iter().map(String::from).collect(),

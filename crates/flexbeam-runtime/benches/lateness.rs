@@ -179,6 +179,7 @@ fn served(period_s: f64) -> ScopeServer {
         project: None,
         port: "simulated".into(),
         period_s,
+        recording: None,
         certificate: None,
         screen: Default::default(),
         save: None,

@@ -213,41 +213,14 @@ export async function spectrumFindsTheWave() {
   near(parseFloat(amplitude), 0.26 * DEG, 0.2, "amplitude");
 }
 
-/** Ten signals of ten seconds at 1 kHz: a frame, its pixels read back so that the raster is counted. */
-export async function aFrameOfTenSignalsIsShort() {
-  const signals = Array.from({ length: 10 }, (_, k) => ({ ...SIGNALS[k % 2], key: `signal_${k}`, label: `Signal ${k}` }));
-  const store = new Store({ signals, period_s: 0.001 });
-  const many = (begin, end) =>
-    frameOf(
-      Array.from({ length: end - begin }, (_, j) => [
-        begin + j,
-        ...signals.map((_, k) => Math.sin((begin + j) / (200 + 40 * k)) + 0.02 * ((j * 7919) % 13)),
-      ]),
-    );
-  for (let tick = 0; tick < 12_000; tick += 1000) store.push(many(tick, tick + 1000));
-  const card = new ScopeCard({
-    store,
-    signals,
-    scope: { title: "Ten", kind: "time", signals: signals.map((s) => s.key), span_s: 10 },
-    period_s: 0.001,
-    onchange() {},
-    onremove() {},
-    onmove() {},
-  });
-  card.element.style.cssText = "width: 1600px; height: 900px";
-  document.body.replaceChildren(card.element);
-  await laidOut(card);
-  const took = [];
-  for (let k = 0; k < 90; k += 1) {
-    store.push(many(12_000 + 17 * k, 12_017 + 17 * k));
-    const begin = performance.now();
-    frame(card, 17);
-    card.context.getImageData(0, 0, 1, 1);
-    took.push(performance.now() - begin);
-  }
-  took.sort((a, b) => a - b);
-  check(took[45] < 16, `found a median of ${took[45].toFixed(1)} ms, needed less than 16 ms`);
-  return `median ${took[45].toFixed(1)} ms, 90 % ${took[81].toFixed(1)} ms`;
+export async function axesOfASpectrumAreSaved() {
+  const { card, saved } = await cardOf({ ...SCOPE, kind: "spectrum", span_s: 8 });
+  const words = () => [...card.bar.element.querySelectorAll(".scope-word")];
+  words().forEach((word) => word.click());
+  same([card.scope.amplitude, card.scope.frequency], ["decibels", "linear"], "of the card");
+  same([saved.at(-1).amplitude, saved.at(-1).frequency], ["decibels", "linear"], "told");
+  const again = (await cardOf(card.scope)).card;
+  same([again.chart.decibels, again.chart.logarithmic], [true, false], "of a card made of it");
 }
 
 /** One plot that cannot be drawn must not stop the others, nor the page. */

@@ -1,5 +1,6 @@
 import { decades, marks, number, quantity, stepAbove } from "../page/chart_ticks.js";
 import { AutoRange, fit, fitBeside } from "../page/chart_range.js";
+import { calm } from "../page/chart_values.js";
 import { check, near, random, same } from "./check.js";
 
 export function stepsAre125() {
@@ -90,4 +91,11 @@ export function endsThatAreTooCloseHaveNoMarks() {
   }
   const { at, decimals } = marks(-1e-300, 1e-300, 5);
   at.forEach((value) => number(value, decimals));
+}
+
+export function noiseAtRestIsNotBlownUp() {
+  same(calm([-0.02, 0.02], "°"), [-0.25, 0.25], "a resting angle");
+  same(calm([-20, 20], "°"), [-20, 20], "a moving one");
+  same(calm([0, 1e-6], "µs"), [0, 1e-6], "a unit without a rule");
+  check(calm([NaN, NaN], "°").every(Number.isNaN), "nothing stays nothing");
 }

@@ -3,7 +3,7 @@
 
 import { drawBorder, drawX, drawY } from "./chart_axes.js";
 import { axisOf, unitsOf } from "./chart_signals.js";
-import { ValueAxes } from "./chart_values.js";
+import { calm, ValueAxes } from "./chart_values.js";
 import { View } from "./chart_view.js";
 import { colourOf, paper } from "./colours.js";
 
@@ -80,7 +80,10 @@ export class Chart {
    * @param {(signals: object[]) => [number, number]} extent of the signals of an axis, as shown
    */
   fitValues(hidden, now_ms, extent, configured = this.configured()) {
-    const extents = this.units.map((_, k) => extent(this.shown(hidden).filter((signal) => this.axis(signal) === k)));
+    const extents = this.units.map((unit, k) => {
+      const data = extent(this.shown(hidden).filter((signal) => this.axis(signal) === k));
+      return this.values.grounded ? data : calm(data, unit);
+    });
     this.fitted = this.values.update(extents, this.view.y, configured, now_ms);
     return this.fitted.map((axis) => axis.ends);
   }

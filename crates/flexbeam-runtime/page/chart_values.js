@@ -4,6 +4,15 @@
 import { AutoRange, fit, fitBeside } from "./chart_range.js";
 import { stepAbove } from "./chart_ticks.js";
 
+/** Heights below these are noise of sensors at rest: an axis is not blown up to show nothing but that. */
+const LEAST = { "°": 0.5, V: 0.1 };
+
+/** The extremes, apart enough for an axis of this unit. */
+export function calm([low, high], unit) {
+  const short = ((LEAST[unit] ?? 0) - (high - low)) / 2;
+  return short > 0 ? [low - short, high + short] : [low, high];
+}
+
 /** Up to two axes with one grid. */
 export class ValueAxes {
   /** @param {boolean} grounded amplitudes: an axis begins at nought */

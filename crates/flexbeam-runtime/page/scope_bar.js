@@ -6,7 +6,7 @@ import { menu, retool, tool } from "./scope_parts.js";
 
 /** Spans on offer [s]. */
 const SPANS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1800, 3600];
-/** How a spectrum is drawn: of this page only, not saved. */
+/** How a spectrum is drawn. */
 const STYLES = [
   ["decibels", "dB", "Amplitude in decibels"],
   ["logarithmic", "log f", "Frequency by decades"],

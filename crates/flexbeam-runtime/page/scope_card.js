@@ -222,8 +222,10 @@ export class ScopeCard {
   restyle(name) {
     this.chart[name] = !this.chart[name];
     this.chart.restyled();
+    Object.assign(this.config, this.chart.style);
     this.bar.show(this);
     this.changed();
+    this.onchange(this);
   }
 
   /** Offers what one sees as a file. */

@@ -25,9 +25,9 @@ export class SpectrumChart extends Chart {
     this.values = new ValueAxes(true);
     this.cursors = new Cursors();
     /** Amplitudes in decibels. */
-    this.decibels = false;
+    this.decibels = of.scope.amplitude === "decibels";
     /** Frequency by decades. */
-    this.logarithmic = true;
+    this.logarithmic = of.scope.frequency !== "linear";
     this.spectra = new Map();
     this.made = "";
   }
@@ -39,6 +39,14 @@ export class SpectrumChart extends Chart {
 
   axis(signal) {
     return this.decibels ? 0 : super.axis(signal);
+  }
+
+  /** How the axes are, to be saved. */
+  get style() {
+    return {
+      amplitude: this.decibels ? "decibels" : "linear",
+      frequency: this.logarithmic ? "logarithmic" : "linear",
+    };
   }
 
   stamp(now_ms) {

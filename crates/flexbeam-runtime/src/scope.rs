@@ -34,6 +34,7 @@ use hall::Hall;
 use std::fmt;
 use std::io;
 use std::net::TcpListener;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -63,6 +64,8 @@ pub struct About {
     pub period_s: f64,
     /// The controller's certificate in short.
     pub certificate: Option<CertificateSummary>,
+    /// Where the run is recorded.
+    pub recording: Option<PathBuf>,
     /// Scopes and panels at the start.
     pub screen: Screen,
     /// Where to save; nothing: nowhere.

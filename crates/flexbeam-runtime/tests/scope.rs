@@ -69,6 +69,7 @@ fn what_viewers_see_is_what_the_run_was() {
         }
     });
     let report = finished.join().unwrap().report;
+    assert_eq!(over["recording"], "run.mcap");
     assert_eq!((over["cause"].as_str(), over["ticks"].as_u64()), (Some("asked"), Some(report.meter.lateness.count())));
     assert_eq!(early.closed(), 1000);
     let mut late = late.unwrap();

@@ -28,7 +28,7 @@ use place::Place;
 /// Cut-off of the measurements' low-pass filters, as a part of the sample rate.
 const LOW_PASS: f64 = 0.15;
 
-/// Block rows that see enough of the slowest swing with friction and noise.
+/// Block rows that see enough of the slowest swing, with friction and noise, too.
 const BLOCK_ROWS: usize = 50;
 
 /// Seed of excitation and noise.
@@ -77,7 +77,9 @@ fn rig_file(arguments: &cli::New) -> Result<Vec<u8>, Failure> {
 /// A recording, a model of it, a controller for the model that knows the rig's friction: as the commands make them.
 fn steps<'a>(folder: &'a Path, rig: &'a RigParameters) -> [Box<dyn FnOnce() -> Result<(), Failure> + 'a>; 3] {
     let file = |name: &str| folder.join(name);
-    let record = cli::Record { rig: Some(file("rig.toml")), out: file("recording.csv"), ..defaults(&[]) };
+    let rig_file = Some(file("rig.toml"));
+    // Friction in the data would bend the model, and the loop would tremble: see the book, Measurements.
+    let record = cli::Record { rig: rig_file, linear: true, out: file("recording.csv"), ..defaults(&[]) };
     let block_rows = BLOCK_ROWS;
     let identify: cli::Identify = defaults(&["recording.csv"]);
     let identify = cli::Identify { recording: file("recording.csv"), block_rows, out: file("model.toml"), ..identify };
@@ -127,7 +129,7 @@ fn answer(arguments: &cli::New, name: String) {
         return;
     }
     println!("{folder}: the project {name:?}");
-    FILES.iter().for_each(|(file, what)| println!("  {file:18} {what}"));
+    FILES.iter().for_each(|(file, what)| println!("  {file:20}{what}"));
     println!(
         "next: flexbeam run {folder} --scope\n\
          with your own rig at PORT:\n  \
@@ -143,7 +145,7 @@ fn answer(arguments: &cli::New, name: String) {
 const FILES: [(&str, &str); 6] = [
     ("flexbeam.toml", "how it runs, what is watched: edit it"),
     ("rig.toml", "the simulated rig"),
-    ("recording.csv", "of that rig"),
+    ("recording.csv", "of that rig's linear model, without friction"),
     ("recording.csv.toml", "where the recording came from"),
     ("model.toml", "identified from the recording"),
     ("controller.toml", "designed for the model, with the law against friction"),

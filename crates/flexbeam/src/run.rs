@@ -151,6 +151,7 @@ impl Plan {
             port: self.port.to_string(),
             period_s: self.setup.period_s,
             certificate: Some(self.certificate.clone()),
+            recording: Some(asked.arguments.out.clone()),
             screen: asked.screen().unwrap_or_else(Screen::usual),
             save: asked.save(),
             asked: self.setup.asked.clone(),

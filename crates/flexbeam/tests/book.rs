@@ -199,8 +199,9 @@ fn every_page_stands_in_the_summary() {
 }
 
 /// Commands that have a section of their own, as words.
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 13] = [
     "reproduce",
+    "new",
     "record",
     "identify",
     "design",
@@ -280,8 +281,9 @@ fn documented_keys(section: &str) -> BTreeSet<String> {
 }
 
 /// Command lines that together give every key of every answer.
-const ANSWERS: [(&str, &str); 12] = [
+const ANSWERS: [(&str, &str); 13] = [
     ("reproduce", "reproduce --out reproduce"),
+    ("new", "new beam"),
     ("record", "record --linear --duration 2 --out recording.csv"),
     ("identify", "identify recording.csv --out model.toml"),
     ("design", "design model.toml --stability-degree 1.5 --uncertainty beam --out controller.toml"),

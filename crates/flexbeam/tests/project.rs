@@ -132,7 +132,7 @@ fn where_no_project_can_be_made_nothing_is() {
     bench.write("bad.toml", "schema = \"flexbeam.rig/1\"\nperiod = 1\n");
     // The exact beam has no tip mass: the design finds out, when recording and model are made.
     bench.write("tip.toml", "schema = \"flexbeam.rig/1\"\n[link]\ntip_mass_kg = 0.05\n");
-    refuses(&bench, "new beam", &["cannot make the project beam", "controller.toml", "empty"]);
+    refuses(&bench, "new beam", &["cannot make the project beam", "in it, needed a folder that is empty"]);
     refuses(&bench, "new file", &["cannot make the project file", "found a file of that name"]);
     refuses(&bench, "new no/such/place", &["cannot make the project no/such/place", "the folder above it"]);
     refuses(&bench, "new other --rig no.toml", &["no.toml", "no file of that name"]);
@@ -245,7 +245,7 @@ fn a_project_is_named_by_its_folder_its_file_or_by_standing_in_it() {
     assert_eq!((shown["schema"].as_str(), &shown["content"]["name"]), (Some("flexbeam.project/1"), &json!("beam")));
     assert_eq!(here(&["show", ".", "--json"])["content"], shown["content"]);
     let text = bench.done("show beam");
-    for word in ["controller.toml", "square", "Tip angle", "psi_rad", "Law", "limits.speed_rad_s    35"] {
+    for word in ["controller.toml", "square", "Tip angle", "psi_rad", "Law", "limits.speed_rad_s       35.0"] {
         assert!(text.contains(word), "{word} in {text}");
     }
 }
@@ -314,7 +314,10 @@ impl Run {
 
     fn viewer(&self) -> Viewer {
         let mut viewer = Viewer::enter(&self.1, json!({ "token": self.2, "name": "test", "key": "test" }));
-        viewer.text_with("state", |state| state["phase"] != "stopped");
+        if viewer.hello["knobs"] == json!([]) {
+            // It came before the run was armed, and is greeted again.
+            viewer.hello = viewer.text("hello");
+        }
         assert_eq!(viewer.take(), None);
         viewer
     }

@@ -39,8 +39,8 @@ macro_rules! scenarios {
         $(
             #[test]
             fn $name() {
-                let words = [stringify!($name), env!("CARGO_BIN_EXE_flexbeam"), &shots().to_string_lossy()];
-                said(SCENARIOS, &words);
+                let shots = shots();
+                said(SCENARIOS, &[stringify!($name), env!("CARGO_BIN_EXE_flexbeam"), &shots.to_string_lossy()]);
             }
         )*
     };

@@ -105,10 +105,11 @@ impl History {
         Cursor { next, lost: if ring.oldest() > 0 { gone } else { 0 } }
     }
 
-    /// The next rows for a viewer, as many as a frame holds; `rows` is scratch. Nothing when there are none.
-    pub(super) fn frame(&self, cursor: &mut Cursor, rows: &mut Vec<Row>) -> Option<Vec<u8>> {
+    /// The next rows for a viewer, `most` of them or as many as a frame holds; `rows` is scratch. Nothing when there are none.
+    pub(super) fn frame(&self, cursor: &mut Cursor, rows: &mut Vec<Row>, most: usize) -> Option<Vec<u8>> {
+        let most = most.min(MOST_IN_FRAME);
         rows.clear();
-        while rows.len() < MOST_IN_FRAME && self.copy(cursor, rows) {}
+        while rows.len() < most && self.copy(cursor, rows, most) {}
         if rows.is_empty() {
             return None;
         }
@@ -117,8 +118,19 @@ impl History {
         Some(encoded(rows, lost))
     }
 
+    /// Passes over what waits for a viewer, if that is more than a twelfth of the history, 5 s: it is lost to it, and the next
+    /// frame says so.
+    pub(super) fn pass_over(&self, cursor: &mut Cursor) {
+        let ring = self.lock();
+        let waiting = ring.written.saturating_sub(cursor.next);
+        if waiting > ring.rows.len() as u64 / 12 {
+            cursor.lost += waiting;
+            cursor.next = ring.written;
+        }
+    }
+
     /// A few hundred rows; whether there may be more of them for this frame.
-    fn copy(&self, cursor: &mut Cursor, rows: &mut Vec<Row>) -> bool {
+    fn copy(&self, cursor: &mut Cursor, rows: &mut Vec<Row>, most: usize) -> bool {
         let ring = self.lock();
         let gone = ring.oldest().saturating_sub(cursor.next);
         if gone > 0 && !rows.is_empty() {
@@ -126,7 +138,7 @@ impl History {
         }
         cursor.lost += gone;
         cursor.next += gone;
-        let end = ring.written.min(cursor.next + AT_A_TIME.min(MOST_IN_FRAME - rows.len()) as u64);
+        let end = ring.written.min(cursor.next + AT_A_TIME.min(most - rows.len()) as u64);
         while cursor.next < end {
             let row = ring.at(cursor.next);
             // A pause of 2^32 periods begins a frame.
@@ -179,7 +191,7 @@ mod tests {
 
     fn all(history: &History, cursor: &mut Cursor) -> Vec<(u32, Vec<u64>)> {
         let mut rows = Vec::new();
-        let next = || history.frame(cursor, &mut rows).map(|bytes| read(&bytes));
+        let next = || history.frame(cursor, &mut rows, MOST_IN_FRAME).map(|bytes| read(&bytes));
         std::iter::from_fn(next).map(|(lost, ticks, _)| (lost, ticks)).collect()
     }
 
@@ -188,13 +200,13 @@ mod tests {
         let history = History::new(1e-3);
         push(&history, (0..10_000).filter(|tick| tick % 7 != 3));
         let (mut cursor, mut rows) = (history.cursor(None), Vec::new());
-        let (lost, ticks, values) = read(&history.frame(&mut cursor, &mut rows).unwrap());
+        let (lost, ticks, values) = read(&history.frame(&mut cursor, &mut rows, MOST_IN_FRAME).unwrap());
         assert_eq!((lost, ticks.len()), (0, MOST_IN_FRAME));
         assert!(ticks.iter().zip(&values).all(|(tick, value)| *value == (*tick as f64 * 0.1) as f32));
         let rest: Vec<u64> = all(&history, &mut cursor).into_iter().flat_map(|(_, ticks)| ticks).collect();
         let whole: Vec<u64> = ticks.into_iter().chain(rest).collect();
         assert!(whole.iter().copied().eq((0..10_000).filter(|tick| tick % 7 != 3)));
-        assert_eq!(history.frame(&mut cursor, &mut rows), None);
+        assert_eq!(history.frame(&mut cursor, &mut rows, MOST_IN_FRAME), None);
     }
 
     #[test]
@@ -256,7 +268,7 @@ mod tests {
         });
         let (mut cursor, mut rows, mut seen, mut lost, mut last) = (Cursor::default(), Vec::new(), 0, 0, None);
         while seen + lost < ROWS {
-            let Some(bytes) = history.frame(&mut cursor, &mut rows) else { continue };
+            let Some(bytes) = history.frame(&mut cursor, &mut rows, MOST_IN_FRAME) else { continue };
             let (gone, ticks, values) = read(&bytes);
             assert!(ticks.iter().zip(&values).all(|(tick, value)| *tick as f32 == *value));
             assert!(ticks.windows(2).all(|pair| pair[1] == pair[0] + 1));
@@ -264,5 +276,18 @@ mod tests {
             (seen, lost, last) = (seen + ticks.len() as u64, lost + u64::from(gone), ticks.last().copied());
         }
         writing.join().unwrap();
+    }
+
+    #[test]
+    fn what_waited_too_long_is_passed_over_and_told() {
+        let history = History::new(1e-3);
+        push(&history, 0..5000);
+        let mut cursor = Cursor::default();
+        history.pass_over(&mut cursor);
+        assert_eq!(cursor, Cursor::default(), "five seconds may wait");
+        push(&history, 5000..5001);
+        history.pass_over(&mut cursor);
+        push(&history, 5001..5004);
+        assert_eq!(all(&history, &mut cursor), [(5001, vec![5001, 5002, 5003])]);
     }
 }

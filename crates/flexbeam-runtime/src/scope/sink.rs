@@ -42,7 +42,8 @@ impl Sink for ScopeSink {
     }
 
     fn finish(&mut self, report: &RunReport) -> Result<(), SinkError> {
-        let result = run_result(report, &Recorded::default(), &self.context, None);
+        let recording = self.hall.about.recording.as_deref();
+        let result = run_result(report, &Recorded::default(), &self.context, recording);
         self.hall.chronicle().end(result);
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! What a viewer has been told: the next message is whatever it does not know yet.
 
 use super::hall::Hall;
-use super::history::{Cursor, Row};
+use super::history::{Cursor, MOST_IN_FRAME, Row};
 use super::viewer::{End, Guest, text};
 use axum::extract::ws::Message;
 use flexbeam_files::{Attendance, Enter, Knob, ServerMessage};
@@ -10,6 +10,14 @@ use std::time::{Duration, Instant};
 
 /// The state is told at least so often.
 const STATE: Duration = Duration::from_millis(250);
+
+/// A frame that took so long to go filled the line: what is behind it would come later still.
+const LATE: Duration = Duration::from_secs(1);
+/// A frame that went in this time leaves room for a larger one.
+const PROMPT: Duration = Duration::from_millis(33);
+/// Rows of a frame: at first, and on the slowest line.
+const FIRST_ROWS: usize = 512;
+const FEWEST_ROWS: usize = 32;
 
 /// A viewer's place in everything that it is told.
 pub(super) struct Told {
@@ -23,6 +31,8 @@ pub(super) struct Told {
     state: Option<(Instant, String, u32)>,
     cursor: Cursor,
     rows: Vec<Row>,
+    /// Rows of the next frame, at most: as many as the line carries.
+    most_rows: usize,
     /// Whether a frame went out in this beat.
     frame: bool,
     over: bool,
@@ -45,6 +55,7 @@ impl Told {
             state: None,
             cursor: hall.history.cursor(enter.after.filter(|_| same)),
             rows: Vec::new(),
+            most_rows: FIRST_ROWS,
             frame: false,
             over: false,
         }
@@ -117,7 +128,19 @@ impl Told {
             return None;
         }
         self.frame = true;
-        hall.history.frame(&mut self.cursor, &mut self.rows).map(|bytes| Message::Binary(bytes.into()))
+        let frame = hall.history.frame(&mut self.cursor, &mut self.rows, self.most_rows);
+        frame.map(|bytes| Message::Binary(bytes.into()))
+    }
+
+    /// A frame of samples took this long. On a slow line the newest samples and a state that is fresh are worth more than all samples
+    /// late: frames become smaller, and what has waited for long is passed over.
+    pub(super) fn took(&mut self, hall: &Hall, time: Duration) {
+        if time > LATE {
+            self.most_rows = (self.most_rows / 4).max(FEWEST_ROWS);
+            hall.history.pass_over(&mut self.cursor);
+        } else if time < PROMPT {
+            self.most_rows = (self.most_rows * 2).min(MOST_IN_FRAME);
+        }
     }
 
     fn over(&mut self, hall: &Hall) -> Option<Message> {

@@ -15,7 +15,7 @@ use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, Stream, StreamExt};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
@@ -263,7 +263,11 @@ async fn talked(
                 guest.hall.gather();
                 told.beat();
                 while let Some(message) = told.next(&guest.hall, guest) {
+                    let (began, samples) = (Instant::now(), matches!(message, Message::Binary(_)));
                     send(tell, message).await?;
+                    if samples {
+                        told.took(&guest.hall, began.elapsed());
+                    }
                     while let Ok(reply) = replies.try_recv() {
                         send(tell, text(&reply)).await?;
                     }

@@ -31,6 +31,7 @@ pub fn about(save: Option<Save>) -> About {
         project: save.as_ref().map(|_| "beam".into()),
         port: "simulated".into(),
         period_s: 1e-3,
+        recording: Some("run.mcap".into()),
         certificate: Some(CertificateSummary { holds: true, note: String::new(), figures: vec![] }),
         screen: Screen::default(),
         save,

@@ -1,7 +1,7 @@
 //! What a project says, in words and tables.
 
-use flexbeam_files::{Project, Scope, SettingValue};
-use flexbeam_report::{Cell, Table, significant};
+use flexbeam_files::{Project, Scope};
+use flexbeam_report::{Cell, Table};
 
 use super::holds::{DIGITS, facts};
 
@@ -17,7 +17,7 @@ pub(super) fn project(project: &Project) -> String {
     ]);
     let stated = project.stated();
     if !stated.is_empty() {
-        text += &format!("\n{}", facts(stated.iter().map(|(key, value)| (key.as_str(), Some(shown(value))))));
+        text += &format!("\n{}", facts(stated.iter().map(|(key, value)| (key.as_str(), Some(value.to_string())))));
     }
     let list = |names: &[String]| Cell::from(names.join(", "));
     if !project.scopes.is_empty() {
@@ -39,11 +39,4 @@ pub(super) fn project(project: &Project) -> String {
         text += &format!("\n{}", panels.fold(heads, Table::row).text());
     }
     text
-}
-
-fn shown(value: &SettingValue) -> String {
-    match value {
-        SettingValue::Number(number) => significant(*number, DIGITS),
-        SettingValue::Word(word) => word.clone(),
-    }
 }

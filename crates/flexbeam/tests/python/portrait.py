@@ -12,7 +12,7 @@ from browser import Browser
 from running import Program
 
 # Of a laptop and of a phone [CSS pixels], and pixels to each.
-WIDE, PHONE = (1440, 900), (390, 844)
+WIDE, PHONE = (1440, 1026), (390, 844)
 
 # A picture that a reader's connection has to carry [bytes].
 LARGEST = 200_000
@@ -59,14 +59,18 @@ def at(viewer, time_s):
 
 
 def portrait(program, browser, name, size, dark, **more):
+    with open(program.path("flexbeam.toml"), "w") as file:
+        file.write(PROJECT)
     run = program.run(".", out=f"{name}.mcap")
     viewer = browser.viewer(run.url, size, dark, **more)
     viewer.press("Start")
     at(viewer, 9.0)
     viewer.entry("Amplitude in °").fill("45")
     viewer.entry("Amplitude in °").press("Enter")
-    viewer.ask("() => document.activeElement.blur()")
-    viewer.ask("() => scrollTo(0, 0)")
+    viewer.page.get_by_role("button", name="Save").first.click()
+    # Nothing has the focus, nothing is pointed at.
+    viewer.ask("() => { document.activeElement.blur(); scrollTo(0, 0); }")
+    viewer.page.mouse.move(0, 0)
     at(viewer, 15.5)
     viewer.shot(name)
     viewer.press("Stop")
@@ -78,8 +82,6 @@ program, pictures = map(os.path.abspath, sys.argv[1:])
 with tempfile.TemporaryDirectory() as folder:
     program = Program(program, folder)
     program.controller()
-    with open(program.path("flexbeam.toml"), "w") as file:
-        file.write(PROJECT)
     try:
         with Browser(pictures) as browser:
             portrait(program, browser, "scope_dark", WIDE, dark=True)

@@ -19,6 +19,9 @@ TEN = [
 
 SIZE = (1600, 900)
 
+# Scopes on the page, and its size: what is out of sight is not drawn, so the last one is high enough for all four.
+PAGES = [(1, SIZE), (4, SIZE), (4, (1600, 2000))]
+
 # Ten seconds fill the plots; what comes after is measured.
 FILL_S, MEASURE_S = 12, 20
 
@@ -50,20 +53,20 @@ def project(program, folder, scopes):
 
 
 def frames(program, browser):
-    print("| scopes | time of | frames | median [ms] | 95 % | 99 % | max |\n|---|---|---|---|---|---|---|")
-    for scopes in [1, 4]:
-        folder = f"ten{scopes}"
+    print("| scopes | page | time of | frames | median [ms] | 95 % | 99 % | max |\n|---|---|---|---|---|---|---|---|")
+    for scopes, size in PAGES:
+        folder = f"ten{scopes}_{size[1]}"
         project(program, folder, scopes)
         run = program.run(folder, "--signal", "square", out=f"{folder}.mcap")
-        viewer = browser.viewer(run.url, SIZE)
+        viewer = browser.viewer(run.url, size)
         viewer.press("Start")
         viewer.page.wait_for_timeout(1e3 * FILL_S)
         found = viewer.ask(RECORD_FRAMES, MEASURE_S)
         for name, key in [("the page's own work", "script"), ("one frame to the next", "between")]:
             ms = np.array(found[key])
             low, mid, high = np.percentile(ms, [50, 95, 99])
-            print(f"| {scopes} | {name} | {len(ms)} | {low:.1f} | {mid:.1f} | {high:.1f} | {ms.max():.1f} |")
-        viewer.shot(f"bench_{scopes}")
+            print(f"| {scopes} | {size[0]} x {size[1]} | {name} | {len(ms)} | {low:.1f} | {mid:.1f} | {high:.1f} | {ms.max():.1f} |")
+        viewer.shot(folder)
         viewer.close()
         run.interrupt()
 
