@@ -376,7 +376,7 @@ fn who_comes_in_the_instant_of_arming_misses_neither_settings_nor_samples() {
     let mut is_armed = false;
     let ticks = viewer.wait_for("the first frame of the run", |said| match said {
         Said::Text(text) => {
-            is_armed |= text["type"] == "hello" && text["run"]["start_unix_ns"] == START_UNIX_NS.to_string();
+            is_armed |= text["type"] == "hello" && text["run"]["start_unix_ns"] == json!(START_UNIX_NS.to_string());
             None
         }
         Said::Frame(frame) => Some(frame.ticks.clone()).filter(|_| is_armed),
