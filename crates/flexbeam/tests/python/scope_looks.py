@@ -124,7 +124,7 @@ def snapshots_are_what_was_measured(program, browser):
     page.context.close()
     name, text = snapshot(viewer, "Samples (CSV)")
     head, *rows = [line.split(",") for line in text.decode().splitlines() if not line.startswith("#")]
-    assert head == ["time_s", "reference_rad", "psi_rad", "y_model_rad"]
+    assert head == ["time_s", "reference_rad", "y_model_rad", "psi_rad"]
     ours = run.recording().by_tick()
     values = np.array(rows, dtype=float)
     ticks = np.rint(values[:, 0] / 0.001).astype(int)
