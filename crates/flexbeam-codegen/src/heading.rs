@@ -62,8 +62,8 @@ fn certificate(subject: &Subject<'_>, rounded: bool) -> Vec<String> {
 
 fn precision(error: &SingleError) -> Vec<String> {
     let mut lines = wrapped(&format!(
-        "Proven of f32: the figures above, for the rounded numbers in exact arithmetic. Measured: the largest differences from the \
-         controller in f64 over {} ticks of a closed loop, the inputs being the same; they hold to the last bit for these ticks \
+        "Proven of f32: the figures above, of the loop with the rounded numbers; how the arithmetic itself rounds is not in them. \
+         Measured: the largest differences from the controller in f64 over {} ticks of a closed loop, the inputs being the same; they hold to the last bit for these ticks \
          and are no bound for others:",
         error.ticks
     ));

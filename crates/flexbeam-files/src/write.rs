@@ -178,7 +178,7 @@ fn beside_then_rename(path: &Path, bytes: &[u8], overwrite: Overwrite) -> io::Re
     Ok(())
 }
 
-fn refused(tried: Tried, path: &Path, error: &io::Error) -> Error {
+pub(crate) fn refused(tried: Tried, path: &Path, error: &io::Error) -> Error {
     let fault = match error.kind() {
         io::ErrorKind::IsADirectory => Fault::IsFolder,
         io::ErrorKind::AlreadyExists => Fault::Exists,

@@ -12,7 +12,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use flexbeam_ident::Order;
 
 use crate::nominal::Nominal;
-pub use export::{Export, Form};
+pub use export::{DEFAULT_NAME, Export, Form, Precision};
 pub use rig::{Experiment, Rig, RigTest, ServeRig};
 pub use run::{RigLink, Run, Signal, Tell, What};
 #[cfg(feature = "foxglove")]
@@ -57,7 +57,7 @@ pub enum Command {
     /// The simulated rig as a process; experiments on a rig
     #[command(allow_negative_numbers = true)]
     Rig(Rig),
-    /// A recording as CSV or for MATLAB
+    /// A recording as CSV or for MATLAB; a controller as C or Rust
     Export(Export),
     /// What a file holds and where it came from
     Show(Show),

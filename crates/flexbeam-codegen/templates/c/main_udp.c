@@ -1,8 +1,9 @@
 /* The controller on a rig behind UDP, without flexbeam: greets the rig, runs it for some seconds, stops it.
  *
- *   main_udp ADDRESS PORT REFERENCE_RAD SECONDS > run.csv
+ *   main_udp ADDRESS PORT REFERENCE_RAD SECONDS [HOLD_MS] > run.csv
  *
- * The reference is REFERENCE_RAD from the start. Standard output: one line a period. Exit status: 0, ran to the end;
+ * The reference is REFERENCE_RAD from the start. HOLD_MS, 50 unless given: how long one voltage may stand without a newer one;
+ * so long are missing answers borne, too. Standard output: one line a period. Exit status: 0, ran to the end;
  * 2, usage, no rig, or no clock; 3, a fault stopped it. POSIX; the frames are described in flexbeam's book,
  * "A rig behind UDP or a serial line". A simulated rig to try it on: flexbeam rig --listen udp:127.0.0.1:4810 */
 #define _POSIX_C_SOURCE 200809L
@@ -23,11 +24,10 @@
 #include <unistd.h>
 
 enum {
-    HOLD_MS = 50,        /* the rig goes to 0 V by itself when no command came for so long */
-    GREETINGS = 50,      /* commands with sequences -50 .. -1 ask whether a rig is there */
-    GREETING_MS = 20,    /* from one greeting to the next */
-    MOST_LOST = 20,      /* answers missing in a row */
-    STOPS = 3            /* stop commands at the end: one may be lost */
+    HOLD_MS = 50,     /* the rig goes to 0 V by itself when no command came for so long */
+    GREETINGS = 50,   /* commands with sequences -50 .. -1 ask whether a rig is there */
+    GREETING_MS = 20, /* from one greeting to the next */
+    STOPS = 3         /* stop commands at the end: one may be lost */
 };
 
 static const long long NS_PER_S = 1000000000LL;
@@ -37,6 +37,7 @@ struct link {
     int socket;
     uint32_t session;
     uint32_t boots;
+    uint16_t hold_ms;
 };
 
 enum heard { NOTHING, READINGS, FAULT };
@@ -61,7 +62,7 @@ static void sleep_until(long long deadline_ns)
 /* A command that cannot be sent is as one that is lost: the answer that does not come tells. */
 static void command(const struct link *link, uint32_t sequence, uint16_t flags, double voltage_v)
 {
-    const struct flexbeam_command command = {link->session, sequence, HOLD_MS, flags, voltage_v};
+    const struct flexbeam_command command = {link->session, sequence, link->hold_ms, flags, voltage_v};
     uint8_t frame[FLEXBEAM_COMMAND_BYTES];
     flexbeam_encode_command(&command, frame);
     (void)!send(link->socket, frame, sizeof frame, 0);
@@ -125,7 +126,8 @@ static bool run(const struct link *link, NAME_real reference_rad, uint32_t ticks
     static struct NAME_state state;
     struct NAME_measured measured = {reference_rad, 0, 0};
     double voltage_v = 0.0;
-    int lost = 0;
+    uint32_t lost = 0;
+    const uint32_t most_lost = (uint32_t)(link->hold_ms * 0.001 / UPPER_PERIOD_S);
     const long long period_ns = (long long)(UPPER_PERIOD_S * 1e9 + 0.5);
     const long long start_ns = now_ns();
     NAME_reset(&state);
@@ -136,7 +138,7 @@ static bool run(const struct link *link, NAME_real reference_rad, uint32_t ticks
         command(link, k, 0, voltage_v);
         const enum heard heard = hear(link, k, deadline_ns + period_ns / 2, &measured);
         lost = heard == NOTHING ? lost + 1 : 0;
-        if (heard == FAULT || lost > MOST_LOST) {
+        if (heard == FAULT || lost > most_lost) {
             fprintf(stderr, "main_udp: tick %lu: %s\n", (unsigned long)k,
                     heard == FAULT ? "the rig has stopped or restarted" : "the rig does not answer any more");
             return false;
@@ -168,10 +170,16 @@ static bool open_link(struct link *link, const char *address, const char *port)
 int main(int count, char **arguments)
 {
     struct link link;
-    if (count != 5) {
-        fprintf(stderr, "usage: main_udp ADDRESS PORT REFERENCE_RAD SECONDS\n");
+    if (count != 5 && count != 6) {
+        fprintf(stderr, "usage: main_udp ADDRESS PORT REFERENCE_RAD SECONDS [HOLD_MS]\n");
         return 2;
     }
+    const unsigned long hold_ms = count == 6 ? strtoul(arguments[5], NULL, 10) : HOLD_MS;
+    if (hold_ms == 0 || hold_ms > UINT16_MAX) {
+        fprintf(stderr, "main_udp: found a hold of %s ms, needed 1 to 65535\n", arguments[5]);
+        return 2;
+    }
+    link.hold_ms = (uint16_t)hold_ms;
     const double reference_rad = strtod(arguments[3], NULL);
     const double seconds = strtod(arguments[4], NULL);
     if (!(seconds > 0.0 && seconds / UPPER_PERIOD_S < 2147483647.0)) {
