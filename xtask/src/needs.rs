@@ -15,7 +15,7 @@ struct Need {
     why: &'static str,
 }
 
-const NEEDS: [Need; 2] = [
+const NEEDS: [Need; 8] = [
     Need {
         package: "gcc",
         proof: &["cc", "--version"],
@@ -26,6 +26,24 @@ const NEEDS: [Need; 2] = [
         proof: &["python3", "-c", "import ensurepip, venv"],
         why: "makes the environment of the public packages that read our files",
     },
+    Need { package: "make", proof: &["make", "--version"], why: "builds the generated C as people do" },
+    Need { package: "cmake", proof: &["ctest", "--version"], why: "builds the generated C as people do" },
+    Need {
+        package: "clang",
+        proof: &["clang", "--version"],
+        why: "the second compiler of the generated C, whose bits are compared",
+    },
+    Need {
+        package: "libclang-rt-dev",
+        proof: &["sh", "-c", "test -e \"$(clang -print-file-name=libclang_rt.asan-x86_64.a)\""],
+        why: "its sanitizers",
+    },
+    Need {
+        package: "libnewlib-arm-none-eabi",
+        proof: &["sh", "-c", "echo '#include <math.h>' | arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -E -"],
+        why: "compiles the generated C for a Cortex-M",
+    },
+    Need { package: "qemu-system-arm", proof: &["qemu-system-arm", "--version"], why: "runs it there" },
 ];
 
 /// How packages may be installed here.
