@@ -67,15 +67,21 @@ fn precision(error: &SingleError) -> Vec<String> {
          and are no bound for others:",
         error.ticks
     ));
+    let [voltage, switched, u, angle] =
+        [error.voltage_v, error.switched_voltage_v, error.u_v, error.angle_rad].map(not_below);
     lines.extend([
-        format!(
-            "  voltage           {:.2e} V, {:.2e} V under the switched law",
-            error.voltage_v, error.switched_voltage_v
-        ),
-        format!("  u                 {:.2e} V", error.u_v),
-        format!("  angles            {:.2e} rad", error.angle_rad),
+        format!("  voltage           {voltage} V, {switched} V under the switched law"),
+        format!("  u                 {u} V"),
+        format!("  angles            {angle} rad"),
     ]);
     lines
+}
+
+/// Three digits, rounded up.
+fn not_below(x: f64) -> String {
+    let nearest = format!("{x:.2e}");
+    let is_below = nearest.parse::<f64>().is_ok_and(|rounded| rounded < x);
+    if is_below { format!("{:.2e}", x * 1.005) } else { nearest }
 }
 
 /// A person's words, which must not end a comment, begin one, or hide behind a line's end.
@@ -110,6 +116,16 @@ mod tests {
             assert!(!text.contains("*/") && !text.contains("/*") && !text.contains('\n'), "{text}");
             assert!(!text.contains("??/") && !text.ends_with('\\'), "{text}");
         }
+    }
+
+    #[test]
+    fn an_error_is_never_stated_below_what_it_is() {
+        for k in 0..2000 {
+            let x = 1e-7 * 1.0123_f64.powi(k);
+            let stated: f64 = not_below(x).parse().unwrap();
+            assert!(stated >= x && stated <= x * 1.0101, "{x} as {stated}");
+        }
+        assert_eq!(not_below(0.0), "0.00e0");
     }
 
     #[test]

@@ -81,7 +81,9 @@ pub(crate) fn in_c(s: &Settings, upper: &str, precision: Precision, indent: &str
                 shown(c.offset_rad),
                 shown(c.low_pass)
             ),
-            Field::Number(name, "-", x) => format!("{indent}{}, /* {name}: {} */", number(*x), shown(*x)),
+            Field::Number(name, unit, x) if *unit == "-" || x.is_infinite() => {
+                format!("{indent}{}, /* {name}: {} */", number(*x), shown(*x))
+            }
             Field::Number(name, unit, x) => format!("{indent}{}, /* {name}: {} {unit} */", number(*x), shown(*x)),
             Field::Law(law) => format!("{indent}{upper}_LAW_{},", format!("{law:?}").to_uppercase()),
         }

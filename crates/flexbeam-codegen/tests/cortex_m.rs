@@ -6,7 +6,7 @@ mod support;
 use flexbeam_codegen::Precision;
 use flexbeam_kernel::{self as kernel, Fault, Law, Measured, Settings, State, tick};
 use std::path::Path;
-use support::{Kernel, Language, WARNINGS, compile, named, reproduced, settings_of, sources, succeeds, written};
+use support::{Kernel, Language, WARNINGS, compile, named, reproduced, run, settings_of, sources, succeeds, written};
 
 /// A board of qemu's, and how to compile for it.
 struct Board {
@@ -51,9 +51,12 @@ fn on_board(board: &Board, folder: &Path) -> Ran {
     arguments.extend(["-DON_BOARD", "beam_arm.o", "main.c", "board.c", "-T", "board.ld", "-nostartfiles"]);
     arguments.extend(["--specs=nosys.specs", "-Wl,--gc-sections", "-o", "beam.elf"]);
     succeeds("arm-none-eabi-gcc", &arguments, folder);
-    let run = ["-M", board.machine, "-display", "none", "-monitor", "none", "-serial", "none", "-icount", "shift=0"];
+    let machine =
+        ["-M", board.machine, "-display", "none", "-monitor", "none", "-serial", "none", "-icount", "shift=0"];
     let semihosting = ["-semihosting-config", "enable=on,target=native", "-kernel", "beam.elf"];
-    let said = succeeds("timeout", &[&["60", "qemu-system-arm"], &run[..], &semihosting].concat(), folder);
+    let output = run("timeout", &[&["60", "qemu-system-arm"], &machine[..], &semihosting].concat(), folder);
+    let said = String::from_utf8_lossy(&output.stderr); // where qemu puts a board's words
+    assert!(output.status.success(), "{}: {said}", board.name);
     let value = |name: &str| -> String {
         let line = said.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
         line.unwrap_or_else(|| panic!("{name} in {said}")).to_owned()
