@@ -15,7 +15,7 @@ struct Need {
     why: &'static str,
 }
 
-const NEEDS: [Need; 8] = [
+const NEEDS: [Need; 9] = [
     Need {
         package: "gcc",
         proof: &["cc", "--version"],
@@ -39,9 +39,14 @@ const NEEDS: [Need; 8] = [
         why: "its sanitizers",
     },
     Need {
+        package: "gcc-arm-none-eabi",
+        proof: &["arm-none-eabi-gcc", "--version"],
+        why: "compiles the generated C for a Cortex-M",
+    },
+    Need {
         package: "libnewlib-arm-none-eabi",
         proof: &["sh", "-c", "echo '#include <math.h>' | arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -E -"],
-        why: "compiles the generated C for a Cortex-M",
+        why: "its headers and library",
     },
     Need { package: "qemu-system-arm", proof: &["qemu-system-arm", "--version"], why: "runs it there" },
 ];

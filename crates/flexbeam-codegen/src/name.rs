@@ -28,9 +28,18 @@ impl Name {
             return refused("is a header of C's library");
         }
         if RESERVED.contains(&lower.as_str()) {
-            return refused("is taken by the files and targets around it");
+            return refused("is taken by the files, targets and macros around it");
         }
         Ok(Name(found.to_owned()))
+    }
+
+    /// As the name of a crate.
+    ///
+    /// Errors: [`Error::Name`] for capital letters.
+    pub(crate) fn of_crate(&self) -> Result<&str, Error> {
+        let why = "has capital letters, which a crate of Rust must not have";
+        let small = !self.0.contains(|c: char| c.is_ascii_uppercase());
+        if small { Ok(&self.0) } else { Err(Error::Name { found: self.0.clone(), why }) }
     }
 
     /// As it was given.
@@ -104,18 +113,24 @@ const HEADERS: [&str; 24] = [
     "wctype",
 ];
 
-/// Files of ours, targets of make and CMake, crates of Rust's own.
-const RESERVED: [&str; 18] = [
+/// Files of ours, targets of make and CMake, crates of Rust's own, devices of Windows, and `byte`, whose BYTE_ORDER is a macro of
+/// many systems.
+const RESERVED: [&str; 23] = [
     "all",
     "alloc",
+    "aux",
+    "byte",
     "clean",
+    "con",
     "core",
     "flexbeam_frame",
     "help",
     "install",
     "main_udp",
+    "nul",
     "package",
     "plain_arithmetic",
+    "prn",
     "proc_macro",
     "std",
     "test",
@@ -129,6 +144,12 @@ const RESERVED: [&str; 18] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_crate_has_small_letters() {
+        assert_eq!(Name::new("beam_2").unwrap().of_crate().unwrap(), "beam_2");
+        assert!(Name::new("Beam").unwrap().of_crate().is_err());
+    }
 
     #[test]
     fn identifiers_pass_and_others_say_why() {
@@ -147,6 +168,8 @@ mod tests {
             ("Stdio", "header"),
             ("vectors", "taken"),
             ("test", "taken"),
+            ("NUL", "taken"),
+            ("byte", "taken"),
             (&"x".repeat(41), "too long"),
         ] {
             let message = Name::new(bad).unwrap_err().to_string();

@@ -12,15 +12,16 @@ use flexbeam_kernel::Commanded;
 
 /// The files of the crate.
 ///
-/// Errors: as [`crate::c::sources`].
+/// Errors: as [`crate::c::sources`], and [`Error::Name`] for capital letters.
 pub fn sources(subject: &Subject<'_>, options: &Options) -> Result<Sources, Error> {
     let Options { name, precision } = options;
+    let name = name.of_crate()?;
     let numbers = Numbers::new(subject, *precision)?;
     let vectors = Vectors::new(subject, &numbers, *precision)?;
     let single_error = vectors.single_error(subject, *precision)?;
     let text = Text(*precision);
     let title = heading::title(subject, *precision);
-    let named = |template: &str| template.replace("NAME", name.as_str());
+    let named = |template: &str| template.replace("NAME", name);
     let banner = heading::banner(subject, single_error.as_ref(), "//!");
     let files = [
         ("Cargo.toml", filled(&named(include_str!("../templates/rust/Cargo.toml")), &[("TITLE", &title)])),

@@ -73,6 +73,7 @@ fn bad_input_is_told_and_nothing_is_left_behind() {
         ("export controller.toml --as rust --name match -o out", "keyword"),
         ("export controller.toml --as c --name stdio -o out", "header"),
         ("export controller.toml --as c --name main_udp -o out", "taken by the files"),
+        ("export controller.toml --as rust --name Beam -o out", "capital letters"),
         ("export controller.toml --as c -o full", "a folder that is not empty"),
         ("export controller.toml --as c -o table.csv", "a folder, or a name that is free"),
         ("export controller.toml --as c -o no/such/folder", "no folder to write it into"),
