@@ -4,7 +4,7 @@ use crate::numbers::Numbers;
 use crate::single::Single;
 use crate::stimulus::{self, Step};
 use crate::{Error, Precision, Subject, settings};
-use flexbeam_kernel::{Commanded, Fault, Measured, Settings, State, tick};
+use flexbeam_kernel::{Commanded, Measured, Settings, State, tick};
 
 /// Ticks with their answers.
 #[derive(Clone, Debug)]
@@ -94,8 +94,6 @@ impl Check {
         let step = |measured| Step { settings: 0, reset: false, measured, fair: true };
         let steps: Vec<Step> = inputs.iter().map(|&measured| step(measured)).collect();
         let answers = answers(numbers, &[settings], &steps, precision)?;
-        let right = answers.iter().all(|answer| answer.fault == Fault::None);
-        assert!(right, "inputs below 1 and no limits make no fault, whatever the controller");
         Ok(Check { settings, ticks: inputs.into_iter().zip(answers).collect() })
     }
 }

@@ -104,6 +104,16 @@ fn nothing_of_libm_and_nothing_of_the_heap_is_called() {
     }
 }
 
+/// Gains that overflow at once make faults, in the vectors and in the self-check, and no panic here.
+#[test]
+fn a_senseless_controller_is_written_and_computed_alike() {
+    let mut controller = random(3);
+    controller.D.0[0] = vec![1e308, -1e308];
+    let folder = written("senseless", &sources(&controller, Precision::F64, &Language::C));
+    let program = compile("gcc", &["-O2"], &TEST, "test_beam", &folder);
+    assert!(succeeds(&program, &[], &folder).contains("every bit"));
+}
+
 /// An enumeration of C holds any number.
 #[test]
 fn a_law_that_is_none_gives_no_voltage() {

@@ -122,6 +122,10 @@ fn a_certificate_that_f32_loses_is_refused_with_its_figure() {
         answer.err
     );
     bench.done("export fast.toml --as c -o out");
+    // At 1 kHz even an integrator's pole, which rounding moves off 1, stays one for all purposes.
+    bench.done("design model.toml --stability-degree 1.5 --uncertainty beam --stiffness integral -o integral.toml");
+    let header = bench.run("export integral.toml --as c --precision f32 -o integral");
+    assert_eq!(header.status, 0, "{}", header.err);
 }
 
 /// A free port, which the rig takes a moment later.

