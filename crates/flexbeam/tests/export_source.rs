@@ -124,8 +124,8 @@ fn a_certificate_that_f32_loses_is_refused_with_its_figure() {
     bench.done("export fast.toml --as c -o out");
     // At 1 kHz even an integrator's pole, which rounding moves off 1, stays one for all purposes.
     bench.done("design model.toml --stability-degree 1.5 --uncertainty beam --stiffness integral -o integral.toml");
-    let header = bench.run("export integral.toml --as c --precision f32 -o integral");
-    assert_eq!(header.status, 0, "{}", header.err);
+    let answer = bench.run("export integral.toml --as c --precision f32 -o integral");
+    assert_eq!(answer.status, 0, "{}", answer.err);
 }
 
 /// A free port, which the rig takes a moment later.
