@@ -7,7 +7,8 @@ use clap::{Args, ValueEnum};
 /// `flexbeam export`
 #[derive(Args, Debug)]
 pub struct Export {
-    /// A recording (the MCAP file of a run, or a table) as csv or mat; a controller as c or rust
+    /// A recording (the MCAP file of a run, or a table) as csv or mat; a model as mat or json; a controller as mat, json, c or
+    /// rust
     pub file: PathBuf,
     /// Form to write
     #[arg(long = "as", value_enum)]
@@ -46,8 +47,11 @@ pub const DEFAULT_NAME: &str = "controller";
 pub enum Form {
     /// CSV with a header, all samples; a note beside it says where it came from
     Csv,
-    /// MATLAB's level 5, a variable for each column; also read by scipy, Octave and Julia
+    /// MATLAB's level 5, a variable for each column or key, with a script that rebuilds the loop; also read by scipy, Octave and
+    /// Julia
     Mat,
+    /// A model or a controller as JSON, with the keys of its file
+    Json,
     /// The controller as C99: header, source, test vectors, a program for the UDP frame
     C,
     /// The controller as a no_std crate, with test vectors
