@@ -15,7 +15,7 @@ struct Need {
     why: &'static str,
 }
 
-const NEEDS: [Need; 9] = [
+const NEEDS: [Need; 10] = [
     Need {
         package: "gcc",
         proof: &["cc", "--version"],
@@ -49,6 +49,11 @@ const NEEDS: [Need; 9] = [
         why: "its headers and library",
     },
     Need { package: "qemu-system-arm", proof: &["qemu-system-arm", "--version"], why: "runs it there" },
+    Need {
+        package: "octave-control",
+        proof: &["octave-cli", "--norc", "--no-history", "--eval", "pkg load control"],
+        why: "rebuilds exported loops, with Octave, on which it depends",
+    },
 ];
 
 /// How packages may be installed here.
