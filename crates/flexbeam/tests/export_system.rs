@@ -96,6 +96,24 @@ fn octave_gets_the_poles_of_fresh_designs_and_of_their_model() {
     }
 }
 
+/// The design makes the tip follow the model exactly: what Octave calls the closed loop must do so from rest to pi/Ts.
+#[test]
+fn in_octave_the_tip_follows_the_model() {
+    let bench = bench();
+    bench.done("export beam.toml --as mat -o beam.mat");
+    let line = "beam; omega = logspace(-1, log10(3141), 300); \
+                tip = squeeze(freqresp(seen * closed_loop(1, 1), omega)); \
+                model = squeeze(freqresp(closed_loop(2, 1), omega)); \
+                names = [closed_loop.inname; closed_loop.outname]; \
+                printf('\\n%s %s %s %.17g %.17g', names{:}, max(abs(tip - model)), abs(model(1)))";
+    let (out, err) = run("octave-cli", &["--norc", "--no-history", "--eval", line], &bench.path(""));
+    let words: Vec<&str> = out.lines().last().unwrap_or_default().split(' ').collect();
+    let [names @ .., apart, at_rest] = &words[..] else { panic!("{out}{err}") };
+    assert_eq!(names, ["v_rad", "u_v", "y_model_rad"]);
+    let [apart, at_rest] = [apart, at_rest].map(|word| word.parse::<f64>().expect("a number"));
+    assert!(apart < 1e-7 && (at_rest - 1.0).abs() < 1e-3, "{apart} rad/rad apart, {at_rest} at 0.1 rad/s");
+}
+
 /// The poles of the loop with another delay and filter, of which the design makes none.
 fn poles_by_hand(controller: &Controller) -> Vec<C64> {
     /// States that the feedback reaches; the others are those of prefilter and model.

@@ -40,9 +40,12 @@ else
   seen = held;
 end
 
-% From the reference to the voltage and the model's tip angle; and the poles of what the feedback moves, without those that only
-% the reference reaches.
+% From the reference v to the voltage u and the model's tip angle y_model; the plant's own, seen through the filter, is
+% seen * closed_loop(1, 1).
 closed_loop = feedback(unlimited, seen, 2, 1, +1);
+closed_loop = closed_loop(:, 1);
+
+% The poles of what the feedback moves, without those that only the reference reaches.
 poles = pole(feedback(sminreal(unlimited(1, 2)), seen, +1));
 stated = data.certificate.sampled.closed_loop_poles;
 what = 'closed-loop poles';
