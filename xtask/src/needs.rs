@@ -15,7 +15,7 @@ struct Need {
     why: &'static str,
 }
 
-const NEEDS: [Need; 4] = [
+const NEEDS: [Need; 12] = [
     Need {
         package: "chromium",
         proof: &["chromium", "--version"],
@@ -35,6 +35,34 @@ const NEEDS: [Need; 4] = [
         package: "python3-venv",
         proof: &["python3", "-c", "import ensurepip, venv"],
         why: "makes the environment of the public packages that read our files",
+    },
+    Need { package: "make", proof: &["make", "--version"], why: "builds the generated C as people do" },
+    Need { package: "cmake", proof: &["ctest", "--version"], why: "builds the generated C as people do" },
+    Need {
+        package: "clang",
+        proof: &["clang", "--version"],
+        why: "the second compiler of the generated C, whose bits are compared",
+    },
+    Need {
+        package: "libclang-rt-dev",
+        proof: &["sh", "-c", "test -e \"$(clang -print-file-name=libclang_rt.asan-x86_64.a)\""],
+        why: "its sanitizers",
+    },
+    Need {
+        package: "gcc-arm-none-eabi",
+        proof: &["arm-none-eabi-gcc", "--version"],
+        why: "compiles the generated C for a Cortex-M",
+    },
+    Need {
+        package: "libnewlib-arm-none-eabi",
+        proof: &["sh", "-c", "echo '#include <math.h>' | arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -E -"],
+        why: "its headers and library",
+    },
+    Need { package: "qemu-system-arm", proof: &["qemu-system-arm", "--version"], why: "runs it there" },
+    Need {
+        package: "octave-control",
+        proof: &["octave-cli", "--norc", "--no-history", "--eval", "pkg load control"],
+        why: "rebuilds exported loops, with Octave, on which it depends",
     },
 ];
 

@@ -83,9 +83,13 @@ pub struct Design {
 
 impl Controller {
     /// Inputs of the state equation: v, y, u_applied.
-    const INPUTS: usize = 3;
-    /// Outputs u and y_model, and the inputs v and y that reach them directly.
-    const OUTPUTS: usize = 2;
+    pub const INPUT_NAMES: [&str; 3] = ["v_rad", "y_rad", "u_applied_v"];
+    /// Outputs u and y_model.
+    pub const OUTPUT_NAMES: [&str; 2] = ["u_v", "y_model_rad"];
+
+    const INPUTS: usize = Self::INPUT_NAMES.len();
+    /// Also the number of inputs, v and y, that reach the outputs directly.
+    const OUTPUTS: usize = Self::OUTPUT_NAMES.len();
 
     /// A, B, C and D column by column, one after the other, as the kernel reads them.
     pub fn coefficients(&self) -> Vec<f64> {

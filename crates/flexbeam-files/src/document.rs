@@ -62,13 +62,19 @@ pub trait Document: Serialize + DeserializeOwned {
     ///
     /// Errors: as [`Document::parse`], for what could be written but not read back (NaN, shapes that do not fit).
     fn to_toml(&self, path: &Path) -> Result<String, Error> {
-        let table = toml::Table::try_from(self).map_err(|error| {
-            let fault = Fault::Syntax { message: error.to_string() };
-            Error::new(Tried::Write, path, fault)
-        })?;
+        let table = self.table(path)?;
         let text = format!("# {}\n{SCHEMA_KEY} = {:?}\n{}", Self::HEAD, Self::SCHEMA, toml_text(&table));
         parse::<Self>(&text, path, Tried::Write)?;
         Ok(text)
+    }
+
+    /// The document's keys and values, without the schema.
+    #[doc(hidden)]
+    fn table(&self, path: &Path) -> Result<toml::Table, Error> {
+        toml::Table::try_from(self).map_err(|error| {
+            let fault = Fault::Syntax { message: error.to_string() };
+            Error::new(Tried::Write, path, fault)
+        })
     }
 
     /// Whether a document of this kind could be written to `path`: ask before an hour of computing.

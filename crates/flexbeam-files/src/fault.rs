@@ -224,6 +224,10 @@ pub enum Fault {
     Exists,
     /// A folder where a file was meant.
     IsFolder,
+    /// A file where a folder was meant.
+    IsFile,
+    /// A folder with something in it where a new one was meant.
+    NotEmpty,
     /// No file of that name.
     NoFile,
     /// No folder for the file to be written.
@@ -280,6 +284,8 @@ impl Fault {
             Fault::Run(fault) => fault.found(),
             Fault::Exists => "a file of that name with other content".into(),
             Fault::IsFolder => "a folder".into(),
+            Fault::IsFile => "a file".into(),
+            Fault::NotEmpty => "a folder that is not empty".into(),
             Fault::NoFile => "no file of that name".into(),
             Fault::NoFolder => "no folder to write it into".into(),
             Fault::Io { kind } => kind.to_string(),
@@ -322,6 +328,8 @@ impl Fault {
             Fault::Run(fault) => fault.needed(),
             Fault::Exists => "a name that is free".into(),
             Fault::IsFolder => "a file".into(),
+            Fault::IsFile => "a folder, or a name that is free".into(),
+            Fault::NotEmpty => "a new or an empty folder".into(),
             Fault::NoFile => "an existing file".into(),
             Fault::NoFolder => "an existing folder".into(),
             Fault::Io { .. } => "the permission and the space to do it".into(),
@@ -373,6 +381,8 @@ impl Fault {
             Fault::Run(fault) => fault.hint(),
             Fault::Exists => "choose another name, or allow replacing it with --force".into(),
             Fault::IsFolder => "name a file in it".into(),
+            Fault::IsFile => "choose another name".into(),
+            Fault::NotEmpty => "choose another name, or replace the files of the same names in it with --force".into(),
             Fault::NoFile => "paths count from the folder where the command runs".into(),
             Fault::NoFolder => "make the folder first".into(),
             Fault::Io { .. } => "look at the file's permissions and the free space".into(),

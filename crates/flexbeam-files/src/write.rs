@@ -3,7 +3,9 @@
 use crate::document::SCHEMA_KEY;
 use crate::error::{Error, Tried};
 use crate::fault::Fault;
+use crate::json_document::JSON_HEAD;
 use crate::mat::is_ours;
+use crate::mat_document::SCRIPT_HEAD;
 use crate::run_file::RunOrigin;
 use std::fs;
 use std::io::{self, Write};
@@ -102,6 +104,16 @@ pub fn check_free_for_mat(path: &Path, overwrite: Overwrite) -> Result<(), Error
     check_free_for(Kind::Mat, path, overwrite)
 }
 
+/// As [`check_free`], for a document in JSON.
+pub fn check_free_for_json(path: &Path, overwrite: Overwrite) -> Result<(), Error> {
+    check_free_for(Kind::Json, path, overwrite)
+}
+
+/// As [`check_free`], for a script of MATLAB's language.
+pub fn check_free_for_script(path: &Path, overwrite: Overwrite) -> Result<(), Error> {
+    check_free_for(Kind::Script, path, overwrite)
+}
+
 /// Gives the complete recording of a run at `part` its name.
 ///
 /// Errors: as [`write_bytes`]; the part then stays.
@@ -153,6 +165,10 @@ enum Kind<'a> {
     Run,
     /// A MATLAB file that says in its head that it is ours.
     Mat,
+    /// A document in JSON, its schema first.
+    Json,
+    /// A script that says in its first line that it is ours.
+    Script,
     /// A document of this schema, whatever its version.
     Document(&'a str),
 }
@@ -166,6 +182,12 @@ impl<'a> Kind<'a> {
             return Some(Kind::Mat);
         }
         let text = std::str::from_utf8(bytes).ok()?;
+        if text.starts_with(JSON_HEAD) {
+            return Some(Kind::Json);
+        }
+        if text.starts_with(SCRIPT_HEAD) {
+            return Some(Kind::Script);
+        }
         let first = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#'))?;
         match first.split_once('=') {
             None => first.starts_with("time_s,").then_some(Kind::Recording),
@@ -202,7 +224,7 @@ fn beside_then_rename(path: &Path, bytes: &[u8], overwrite: Overwrite) -> io::Re
     Ok(())
 }
 
-fn refused(tried: Tried, path: &Path, error: &io::Error) -> Error {
+pub(crate) fn refused(tried: Tried, path: &Path, error: &io::Error) -> Error {
     let fault = match error.kind() {
         io::ErrorKind::IsADirectory => Fault::IsFolder,
         io::ErrorKind::AlreadyExists => Fault::Exists,

@@ -15,7 +15,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use flexbeam_ident::Order;
 
 use crate::nominal::Nominal;
-pub use export::{Export, Form};
+pub use export::{DEFAULT_NAME, Export, Form, Precision};
 pub use given::Given;
 pub use new::New;
 pub use rig::{Experiment, Rig, RigTest, ServeRig};
@@ -65,7 +65,7 @@ pub enum Command {
     /// The simulated rig as a process; experiments on a rig
     #[command(allow_negative_numbers = true)]
     Rig(Rig),
-    /// A recording as CSV or for MATLAB
+    /// A recording as CSV or for MATLAB; a model or a controller for MATLAB or as JSON; a controller as C or Rust
     Export(Export),
     /// What a file holds and where it came from
     Show(Show),

@@ -205,7 +205,8 @@ fn entry(f: &Verified) -> (String, Figure) {
     (name, Figure { claimed: Extended(f.claimed), found: Extended(f.recomputed), agrees: f.agrees })
 }
 
-fn sentence(f: &Verified) -> String {
+/// What broke, in words.
+pub fn sentence(f: &Verified) -> String {
     let (claimed, found) = (significant(f.claimed, 8), significant(f.recomputed, 8));
     format!("{}: claimed {claimed}, found {found} ({})", f.figure, f.reason)
 }

@@ -281,7 +281,7 @@ fn documented_keys(section: &str) -> BTreeSet<String> {
 }
 
 /// Command lines that together give every key of every answer.
-const ANSWERS: [(&str, &str); 13] = [
+const ANSWERS: [(&str, &str); 15] = [
     ("reproduce", "reproduce --out reproduce"),
     ("new", "new beam"),
     ("record", "record --linear --duration 2 --out recording.csv"),
@@ -292,6 +292,8 @@ const ANSWERS: [(&str, &str); 13] = [
     ("simulate", "simulate controller.toml --duration 1"),
     ("verify", "verify controller.toml --runs 4"),
     ("export", "export recording.csv --as mat --out recording.mat"),
+    ("export", "export controller.toml --as mat --out beam.mat"),
+    ("export", "export controller.toml --as c --precision f32 --out source"),
     ("run", "run controller.toml --duration 0.5 --hold 5"),
     ("rig", "rig --listen pty --duration 0.3"),
     ("show", "show controller.toml"),

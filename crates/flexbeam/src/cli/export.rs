@@ -7,12 +7,13 @@ use clap::{Args, ValueEnum};
 /// `flexbeam export`
 #[derive(Args, Debug)]
 pub struct Export {
-    /// A recording: the MCAP file of a run, or a table
+    /// A recording (the MCAP file of a run, or a table) as csv or mat; a model as mat or json; a controller as mat, json, c or
+    /// rust
     pub file: PathBuf,
-    /// Form of the file to write
+    /// Form to write
     #[arg(long = "as", value_enum)]
     pub form: Form,
-    /// The file to write
+    /// The file to write; for c and rust, the folder
     #[arg(short, long)]
     pub out: PathBuf,
     /// Names of a table's white-space columns, in order
@@ -21,7 +22,16 @@ pub struct Export {
     /// Sample period [s] of a table without a time column
     #[arg(long)]
     pub period: Option<f64>,
-    /// Write over a file that is not of the kind to be written
+    /// Precision of a controller's arithmetic: f64 (as simulated and verified) or f32
+    #[arg(long, value_enum)]
+    pub precision: Option<Precision>,
+    /// Name of a controller's files, types and functions
+    #[arg(long, default_value = DEFAULT_NAME)]
+    pub name: String,
+    /// Write a controller whose certificate does not match its numbers, for this reason
+    #[arg(long, value_name = "REASON")]
+    pub unverified: Option<String>,
+    /// Write over a file that is not of the kind to be written, or into a folder that is not empty
     #[arg(long)]
     pub force: bool,
     /// One JSON object on standard output
@@ -29,11 +39,40 @@ pub struct Export {
     pub json: bool,
 }
 
+/// The name of what nobody named.
+pub const DEFAULT_NAME: &str = "controller";
+
 /// Forms in which other tools read.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub enum Form {
     /// CSV with a header, all samples; a note beside it says where it came from
     Csv,
-    /// MATLAB's level 5, a variable for each column; also read by scipy, Octave and Julia
+    /// MATLAB's level 5, a variable for each column or key, with a script that rebuilds the loop; also read by scipy, Octave and
+    /// Julia
     Mat,
+    /// A model or a controller as JSON, with the keys of its file
+    Json,
+    /// The controller as C99: header, source, test vectors, a program for the UDP frame
+    C,
+    /// The controller as a no_std crate, with test vectors
+    Rust,
+}
+
+/// Precision of all arithmetic of a controller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ValueEnum)]
+pub enum Precision {
+    /// 64 bits: every bit as in simulation and verification
+    #[default]
+    F64,
+    /// 32 bits: for processors without 64-bit arithmetic
+    F32,
+}
+
+impl From<Precision> for flexbeam_codegen::Precision {
+    fn from(precision: Precision) -> Self {
+        match precision {
+            Precision::F64 => flexbeam_codegen::Precision::F64,
+            Precision::F32 => flexbeam_codegen::Precision::F32,
+        }
+    }
 }

@@ -36,9 +36,10 @@ pub(super) fn export(arguments: &cli::Export) -> Result<(), Failure> {
     let sign = waiting("reading the recording");
     let content = Content::read(arguments)?;
     sign.set_message("writing");
-    let exported = match arguments.form {
-        cli::Form::Csv => csv(arguments, &content, replace)?,
-        cli::Form::Mat => mat(arguments, &content, replace)?,
+    let exported = if arguments.form == cli::Form::Mat {
+        mat(arguments, &content, replace)?
+    } else {
+        csv(arguments, &content, replace)?
     };
     sign.finish_and_clear();
     answer(arguments, content, exported);
@@ -53,12 +54,11 @@ fn permitted(arguments: &cli::Export) -> Result<Overwrite, Failure> {
         return Err(Error::new(Tried::Write, out, Fault::Exists).into());
     }
     let replace = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
-    match arguments.form {
-        cli::Form::Csv => {
-            check_free(out, replace)?;
-            overwrite::<Note>(&Note::path_for(out), arguments.force)?;
-        }
-        cli::Form::Mat => check_free_for_mat(out, replace)?,
+    if arguments.form == cli::Form::Mat {
+        check_free_for_mat(out, replace)?;
+    } else {
+        check_free(out, replace)?;
+        overwrite::<Note>(&Note::path_for(out), arguments.force)?;
     }
     Ok(replace)
 }
@@ -137,10 +137,7 @@ fn answer(arguments: &cli::Export, content: Content, exported: Exported) {
         println!("{file}: {samples} samples of {period} from {source}: {}", exported.columns.join(", "));
         return;
     }
-    let format = match arguments.form {
-        cli::Form::Csv => "csv",
-        cli::Form::Mat => "mat",
-    };
+    let format = if arguments.form == cli::Form::Mat { "mat" } else { "csv" };
     println!(
         "{}",
         json_text(&ExportResult {

@@ -1,0 +1,150 @@
+//! Instructions of one tick, counted by callgrind: the kernel, the generated C, the generated Rust. Counts do not depend on how busy the
+//! machine is.
+//!
+//! Prints a table. Needs valgrind, gcc, clang and rustc.
+
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+use flexbeam_codegen::Precision;
+use flexbeam_files::Controller;
+use flexbeam_kernel::{Commanded, Controller as Kernel, Fault, Measured, Settings, State, tick};
+use std::path::Path;
+use std::process::Command;
+use support::{Language, compile, named, random, settings_of, sources, succeeds, written};
+
+const ORDERS: [usize; 3] = [8, 16, 32];
+const TICKS: u64 = 2000;
+
+/// Names the order when this program runs under callgrind, as the one that is counted.
+const COUNTED: &str = "FLEXBEAM_COUNTED_ORDER";
+
+fn main() {
+    if let Ok(order) = std::env::var(COUNTED) {
+        return run_kernel(&controller(order.parse().expect("an order")));
+    }
+    if Command::new("valgrind").arg("--version").output().is_err() {
+        eprintln!("tried to count instructions, found no valgrind, needed it\nhint: apt-get install valgrind");
+        std::process::exit(2);
+    }
+    println!("\n| instructions a tick (and for each multiply-add) | n = 8 | n = 16 | n = 32 |\n|---|---|---|---|");
+    row("kernel, rustc opt-level 3", |order| {
+        let itself = std::env::current_exe().expect("the program that runs");
+        counted(Command::new("valgrind").env(COUNTED, order.to_string()), &itself.to_string_lossy())
+    });
+    for (compiler, flag) in [("gcc", "-O2"), ("gcc", "-O3"), ("clang", "-O2")] {
+        row(&format!("C, {compiler} {flag}"), |order| {
+            let folder = generated(order, &Language::C);
+            std::fs::write(folder.join("count.c"), named(C)).expect("written");
+            let program = compile(compiler, &[flag], &["beam.c", "count.c"], "count", &folder);
+            counted(&mut Command::new("valgrind"), &program.to_string_lossy())
+        });
+    }
+    row("Rust, rustc opt-level 3", |order| {
+        let folder = generated(order, &Language::Rust);
+        std::fs::write(folder.join("count.rs"), named(RUST)).expect("written");
+        let flags = ["--edition", "2021", "-C", "opt-level=3"];
+        let library = ["--crate-type", "rlib", "--crate-name", "beam", "src/lib.rs"];
+        succeeds("rustc", &[&flags[..], &library].concat(), &folder);
+        let program = ["--extern", "beam=libbeam.rlib", "count.rs", "-o", "count"];
+        succeeds("rustc", &[&flags[..], &program].concat(), &folder);
+        counted(&mut Command::new("valgrind"), &folder.join("count").to_string_lossy())
+    });
+}
+
+fn row(name: &str, count: impl Fn(usize) -> u64) {
+    let cells = ORDERS.map(|order| {
+        let (instructions, multiply_adds) = (count(order), order * (order + 3) + 2 * (order + 2));
+        format!("{instructions} ({:.2})", instructions as f64 / multiply_adds as f64)
+    });
+    println!("| {name} | {} |", cells.join(" | "));
+}
+
+/// Random, with every part of the tick at work.
+fn controller(order: usize) -> Controller {
+    let mut controller = random(order);
+    controller.settings.u_p_plus_v = Some(0.28);
+    controller.settings.u_p_minus_v = Some(0.1);
+    controller.settings.smooth_ticks = Some(300.0);
+    controller
+}
+
+fn generated(order: usize, language: &Language) -> std::path::PathBuf {
+    written(&format!("instructions_{order}"), &sources(&controller(order), Precision::F64, language))
+}
+
+/// Instructions of one tick of a program that runs `counted_tick` 2000 times.
+fn counted(valgrind: &mut Command, program: &str) -> u64 {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let tool = ["--tool=callgrind", "--callgrind-out-file=/dev/null", "--toggle-collect=*counted_tick*", program];
+    let output = valgrind.args(tool).current_dir(folder).output().expect("valgrind starts");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let line = said.lines().find_map(|line| line.split_once("Collected :"));
+    let all: u64 =
+        line.and_then(|(_, number)| number.trim().parse().ok()).unwrap_or_else(|| panic!("no count in {said}"));
+    assert!(all > 100 * TICKS, "the tick was found: {said}");
+    all / TICKS
+}
+
+/// As the two programs below.
+fn run_kernel(file: &Controller) {
+    let (coefficients, settings) = (file.coefficients(), settings_of(file));
+    let controller = Kernel::new(file.order, &coefficients).expect("a controller");
+    let mut memory = vec![0.0; controller.state_len()];
+    let mut state = State::new(&controller, &mut memory).expect("its memory");
+    for k in 0..TICKS {
+        let reference_rad = if (k / 500).is_multiple_of(2) { 0.5 } else { -0.5 };
+        let measured = Measured { reference_rad, theta_rad: 0.3 * reference_rad, alpha_rad: 0.01 };
+        let commanded = counted_tick(&settings, &controller, &mut state, measured);
+        assert_eq!(commanded.fault, Fault::None, "the loop that is counted runs");
+    }
+}
+
+#[inline(never)]
+fn counted_tick(settings: &Settings, controller: &Kernel<'_>, state: &mut State<'_>, measured: Measured) -> Commanded {
+    tick(settings, controller, state, std::hint::black_box(measured))
+}
+
+const C: &str = r#"
+#include "NAME.h"
+
+__attribute__((noinline)) struct NAME_commanded counted_tick(struct NAME_state *state, struct NAME_measured measured);
+
+struct NAME_commanded counted_tick(struct NAME_state *state, struct NAME_measured measured)
+{
+    return NAME_tick(&NAME_default_settings, state, measured);
+}
+
+int main(void)
+{
+    static struct NAME_state state;
+    NAME_reset(&state);
+    for (int k = 0; k < 2000; ++k) {
+        const double reference = k / 500 % 2 == 0 ? 0.5 : -0.5;
+        const struct NAME_measured measured = {reference, 0.3 * reference, 0.01};
+        if (counted_tick(&state, measured).fault != UPPER_FAULT_NONE) {
+            return 1;
+        }
+    }
+    return 0;
+}
+"#;
+
+const RUST: &str = r#"
+use NAME::{Commanded, DEFAULT_SETTINGS, Fault, Measured, State, tick};
+
+#[inline(never)]
+fn counted_tick(state: &mut State, measured: Measured) -> Commanded {
+    tick(&DEFAULT_SETTINGS, state, std::hint::black_box(measured))
+}
+
+fn main() {
+    let mut state = State::new();
+    for k in 0..2000 {
+        let reference_rad = if k / 500 % 2 == 0 { 0.5 } else { -0.5 };
+        let measured = Measured { reference_rad, theta_rad: 0.3 * reference_rad, alpha_rad: 0.01 };
+        assert_eq!(counted_tick(&mut state, measured).fault, Fault::None);
+    }
+}
+"#;

@@ -1,0 +1,45 @@
+//! The answer of an export as source text.
+
+use serde::Serialize;
+
+/// `flexbeam export --as c|rust`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SourceResult {
+    /// The folder that was written.
+    pub folder: String,
+    /// Paths of its files, with slashes.
+    pub files: Vec<String>,
+    /// `c` or `rust`.
+    pub format: String,
+    /// `f64` or `f32`.
+    pub precision: String,
+    /// Name of files, types and functions.
+    pub name: String,
+    /// The controller file.
+    pub source: String,
+    /// Its SHA-256, in hexadecimal.
+    pub source_sha256: String,
+    /// Number of states.
+    pub order: usize,
+    /// Sample period [s].
+    pub period_s: f64,
+    /// Largest differences of f32 from f64; null in f64.
+    pub single_error: Option<SingleErrorResult>,
+    /// Why it was written although its certificate does not match; null where it does.
+    pub unverified: Option<String>,
+}
+
+/// Largest differences from f64 over the test vectors.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SingleErrorResult {
+    /// Ticks that were compared.
+    pub ticks: usize,
+    /// Of the voltage, while the law has no jumps [V].
+    pub voltage_v: f64,
+    /// Of the voltage under the switched law [V].
+    pub switched_voltage_v: f64,
+    /// Of u [V].
+    pub u_v: f64,
+    /// Of the angles [rad].
+    pub angle_rad: f64,
+}
