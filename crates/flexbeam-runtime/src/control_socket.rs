@@ -289,11 +289,13 @@ fn reference_of(live: &Live) -> ReferenceChange {
     }
 }
 
-/// The reference with a change; what is left out stays.
+/// The reference with a change; what is left out stays. The amplitude of a file is a factor, any other's an angle: a change from one
+/// to the other without an amplitude goes on with the file's largest angle, or with the file as it is.
 pub fn change_reference(live: &mut Live, change: &ReferenceChange) {
     let reference = &mut live.reference;
-    reference.shape = change.shape.map_or(reference.shape, shape_of_file);
-    reference.amplitude_rad = change.amplitude_rad.unwrap_or(reference.amplitude_rad);
+    let shape = change.shape.map_or(reference.shape, shape_of_file);
+    reference.amplitude_rad = change.amplitude_rad.unwrap_or_else(|| reference.amplitude_as(shape));
+    reference.shape = shape;
     reference.period_s = change.period_s.unwrap_or(reference.period_s);
     reference.offset_rad = change.offset_rad.unwrap_or(reference.offset_rad);
 }

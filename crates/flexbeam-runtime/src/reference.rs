@@ -36,6 +36,19 @@ pub struct Reference {
     pub samples: Arc<[f64]>,
 }
 
+impl Reference {
+    /// Real-time: no. The amplitude that keeps its meaning under another shape: of a file it is a factor, of all others an angle.
+    pub(crate) fn amplitude_as(&self, shape: Shape) -> f64 {
+        let largest = || self.samples.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        match (self.shape, shape) {
+            (Shape::File, Shape::File) => self.amplitude_rad,
+            (Shape::File, _) => largest() * self.amplitude_rad,
+            (_, Shape::File) => 1.0,
+            _ => self.amplitude_rad,
+        }
+    }
+}
+
 impl Default for Reference {
     fn default() -> Reference {
         Reference {
@@ -103,6 +116,20 @@ fn step(time_s: f64, delay_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A factor of 1 taken for an angle would be a step of 57 degrees.
+    #[test]
+    fn the_amplitude_of_a_file_is_no_angle() {
+        let file = Reference {
+            shape: Shape::File,
+            amplitude_rad: 0.5,
+            samples: [0.0, 0.2, -0.3].into(),
+            ..Reference::default()
+        };
+        assert_eq!([Shape::File, Shape::Square].map(|shape| file.amplitude_as(shape)), [0.5, 0.15]);
+        let step = Reference { shape: Shape::Step, ..file };
+        assert_eq!([Shape::File, Shape::Sine].map(|shape| step.amplitude_as(shape)), [1.0, 0.5]);
+    }
 
     fn run(reference: &Reference, ticks: u64) -> Vec<f64> {
         let mut generator = Generator::default();

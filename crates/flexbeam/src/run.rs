@@ -53,6 +53,7 @@ struct Stopped(String);
 pub fn run(given: &cli::Given<cli::Run>) -> Result<(), Failure> {
     let asked = Asked::of(given)?;
     let arguments = &asked.arguments;
+    scope::check(&arguments.scope, given.states("scope_token_file"))?;
     let plan = Plan::of(&asked)?;
     let mut places = Places::take(&asked, &plan)?;
     let (rig, setup) = plan.rig_at_rest(arguments)?;

@@ -12,6 +12,6 @@ pub struct Scope {
     #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:8787")]
     pub scope: Option<ViewerAddress>,
     /// File with the token that lets a viewer steer; made for you alone when it is missing, and a new one for each run by default
-    #[arg(long, value_name = "FILE", requires = "scope")]
+    #[arg(long, value_name = "FILE")]
     pub scope_token_file: Option<PathBuf>,
 }

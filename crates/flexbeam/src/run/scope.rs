@@ -6,6 +6,21 @@ use flexbeam_runtime::{Session, Sink, Steering};
 
 use crate::{Failure, cli};
 
+/// A token that nobody will ask for.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "found --scope-token-file without a scope, needed --scope, or a project that has one\nhint: --scope alone serves it at 127.0.0.1:8787"
+)]
+struct NothingToSteer;
+
+/// Errors: a token file on the command line, and no scope.
+pub fn check(scope: &cli::Scope, token_stated: bool) -> Result<(), Failure> {
+    if token_stated && scope.scope.is_none() {
+        return Err(said_itself(NothingToSteer));
+    }
+    Ok(())
+}
+
 /// Serves the scope, if it is asked for, and says where.
 ///
 /// Errors: an address that is taken, or that this machine does not have; a token file that cannot be used.
