@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 pub const PYTHON: &str = "FLEXBEAM_PYTHON";
 
 /// What the tests import. What these need themselves, they choose.
-const PINS: [&str; 3] = ["mcap==1.6.0", "mcap-ros2-support==0.6.0", "scipy==1.17.1"];
+const PINS: [&str; 4] = ["fmpy==0.3.32", "mcap==1.6.0", "mcap-ros2-support==0.6.0", "scipy==1.17.1"];
 
 /// The environment, from the root.
 const FOLDER: &str = "target/tools/python";

@@ -3,9 +3,11 @@
 //! Enters: any file that can be exported, a form. Leaves: that form, and one answer. Deliberately absent: the forms
 //! themselves, which `flexbeam-files` and `flexbeam-codegen` own.
 
+mod compiler;
 mod recording;
 mod single;
 mod source;
+mod unit;
 
 use flexbeam_files::{Error, Fault, RUN_SCHEMA, Tried, schema_of};
 
@@ -25,6 +27,7 @@ pub fn run(arguments: &cli::Export) -> Result<(), Failure> {
     idle(arguments).map_or(Ok(()), |idle| Err(Failure::while_trying("export")(idle)))?;
     match arguments.form {
         cli::Form::C | cli::Form::Rust => source::export(arguments),
+        cli::Form::Fmu => unit::export(arguments),
         cli::Form::Csv | cli::Form::Mat => match schema_of(&arguments.file)?.as_deref() {
             None | Some(RUN_SCHEMA) => recording::export(arguments),
             Some(other) => {
@@ -37,19 +40,24 @@ pub fn run(arguments: &cli::Export) -> Result<(), Failure> {
 
 /// The first option that would do nothing.
 fn idle(arguments: &cli::Export) -> Option<Idle> {
-    let (form, of_controller) = match arguments.form {
-        cli::Form::C => ("c", true),
-        cli::Form::Rust => ("rust", true),
-        cli::Form::Csv => ("csv", false),
-        cli::Form::Mat => ("mat", false),
+    use cli::Form::{C, Csv, Fmu, Mat, Rust};
+    let (recording, source, controller) = (&[Csv, Mat][..], &[C, Rust][..], &[C, Rust, Fmu][..]);
+    let options = [
+        ("--columns", !arguments.columns.is_empty(), recording, "--as csv or mat"),
+        ("--period", arguments.period.is_some(), recording, "--as csv or mat"),
+        ("--precision", arguments.precision.is_some(), source, "--as c or rust"),
+        ("--name", arguments.name != cli::DEFAULT_NAME, controller, "--as c, rust or fmu"),
+        ("--unverified", arguments.unverified.is_some(), controller, "--as c, rust or fmu"),
+        ("--fmi", arguments.fmi.is_some(), &[Fmu], "--as fmu"),
+        ("--sources-only", arguments.sources_only, &[Fmu], "--as fmu"),
+    ];
+    let form = match arguments.form {
+        C => "c",
+        Rust => "rust",
+        Fmu => "fmu",
+        Csv => "csv",
+        Mat => "mat",
     };
-    let given = if of_controller {
-        vec![("--columns", !arguments.columns.is_empty()), ("--period", arguments.period.is_some())]
-    } else {
-        let named = arguments.name != cli::DEFAULT_NAME;
-        let (precision, unverified) = (arguments.precision.is_some(), arguments.unverified.is_some());
-        vec![("--precision", precision), ("--name", named), ("--unverified", unverified)]
-    };
-    let needed = if of_controller { "--as csv or mat" } else { "--as c or rust" };
-    given.into_iter().find(|(_, given)| *given).map(|(option, _)| Idle { option, form, needed })
+    let idle = options.into_iter().find(|(_, given, forms, _)| *given && !forms.contains(&arguments.form));
+    idle.map(|(option, _, _, needed)| Idle { option, form, needed })
 }
