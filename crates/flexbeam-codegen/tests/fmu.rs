@@ -102,6 +102,24 @@ fn it_builds_without_warnings_and_knows_its_own_description() {
     }
 }
 
+#[test]
+fn a_reason_stands_in_the_documentation_and_is_no_tag() {
+    let controller = reproduced();
+    let (settings, figures) = (settings_of(&controller), &controller.certificate.sampled);
+    for (reason, words) in
+        [(None, None), (Some("<b> & a \"trial\""), Some("NOT VERIFIED: &lt;b&gt; &amp; a &quot;trial&quot;"))]
+    {
+        let subject =
+            Subject { controller: &controller, settings: &settings, sha256: SHA256, figures, unverified: reason };
+        let files = unit(&subject, &Name::new("beam").unwrap(), Version::Three).unwrap().files;
+        let text = |path: &str| &files.iter().find(|file| file.path == path).unwrap().text;
+        assert!(words.is_none_or(|words| text("documentation/index.html").contains(words)));
+        for path in ["documentation/index.html", "modelDescription.xml", "sources/beam.h"] {
+            assert_eq!(text(path).contains("NOT VERIFIED"), reason.is_some(), "{path}");
+        }
+    }
+}
+
 /// On other processors there may be nothing to contract; the self-check's own test says so loudly.
 #[cfg(target_arch = "x86_64")]
 #[test]

@@ -105,11 +105,17 @@ class Unit:
         self.set(numbers, chosen[0])
         self.set_law(chosen[1])
 
+    def tuned(self, **changes):
+        self.set([references[f"settings.{name}"] for name in changes], list(changes.values()))
+
+    def outputs(self):
+        return self.get([references[name] for name in OUTPUTS])
+
     def step(self, inputs, step_s=period_s):
         self.set([references[name] for name in INPUTS], inputs)
         self.fmu.doStep(currentCommunicationPoint=self.time_s, communicationStepSize=step_s)
         self.time_s += step_s
-        return self.get([references[name] for name in OUTPUTS]), self.get_whole(fault)
+        return self.outputs(), self.get_whole(fault)
 
     def memory(self):
         return self.fmu.getFMUState() if is_3 else self.fmu.getFMUstate()
@@ -165,7 +171,7 @@ assert one.get(numbers) == distinct and one.get_whole(law) == 1
 one.reset()
 assert bits(one.get(numbers)) == bits(other.get(numbers))
 
-# All vectors, one instance; the other stands by, and takes over the memory of the first in the middle of a run.
+# All vectors, in one instance; before each tick the other starts again from the bytes of the first.
 changes = 0
 for k, tick in enumerate(ticks):
     if tick[1]:
@@ -173,10 +179,19 @@ for k, tick in enumerate(ticks):
     if tick[1] or tick[0] != ticks[k - 1][0]:
         one.settings(choices[tick[0]])
         changes += not tick[1]
-    same(one.step(tick[3]), tick, k)
+    memory = one.memory()
+    recalled = other.read(one.written(memory))
+    one.free(memory)
+    other.fmu.reset()
+    other.recall(recalled)
+    other.free(recalled)
+    assert bits(other.outputs()) == bits(one.outputs()) and other.get_whole(fault) == one.get_whole(fault), k
+    for instance in (one, other):
+        same(instance.step(tick[3]), tick, k)
+    assert not is_3 or abs(one.get([references["time"]])[0] - one.time_s) < 1e-9
 assert changes >= 9, changes
 
-# Memory: back to an instant, by copy and by bytes, in the same instance and in another one; twice the same bytes.
+# Memory: back to an instant and on for a while, by copy in the same instance and by bytes in the other; twice the same bytes.
 for start, kept in ((0, 31), (170, 201)):
     one.reset()
     one.settings(choices[ticks[start][0]])
@@ -202,17 +217,34 @@ for start, kept in ((0, 31), (170, 201)):
     for wrong in (written[:-1], b"x" + written[1:], written[:-8] + b"\x09" + 7 * b"\0"):
         refused("found other bytes", one.read, wrong)
 
+# The two switches, held by nothing but memory: |u| and |e| lie within their hysteresis.
+one.reset()
+one.set_law(1)
+one.tuned(u_p_plus_v=0.3, u_p_minus_v=0.3, eps_u_v=1e3, eps_e_rad=1e-12)
+one.step([0.5, 0.1, 0.0])
+other.recall(other.read(one.written(one.memory())))
+for instance in (one, other):
+    instance.tuned(eps_u_v=1e-9, hysteresis_u=1e15, eps_e_rad=1e6, hysteresis_e=1.0)
+    found = instance.step([0.5, 0.1, 0.0])
+    assert abs(found[0][0]) == 0.3 and found[1] == 0, found
+
 # What is refused changes nothing.
 before = one.written(one.memory())
-refused("found a step of", one.step, [0.1, 0.1, 0.1], 2 * period_s)
-one.set([references[name] for name in INPUTS], ticks[kept + 19][3])
+refused("found a step of", one.step, [0.5, 0.1, 0.0], 2 * period_s)
 refused("found a step of", one.fmu.doStep, 0.0, float("nan"))
 refused("found value reference 4", one.set, [references["reference_rad"], references["voltage_v"]], [9.0, 9.0])
 refused("found value reference 99", one.get, [99])
 refused("0, 1 or 2", one.set_law, 3)
 refused("0, 1 or 2", one.set_law, 1, fault)
 assert one.written(one.memory()) == before
-one.end()
+one.fmu.reset()
+refused("needed behind", one.fmu.doStep, 0.0, period_s)
+one.start()
+one.fmu.terminate()
+refused("needed behind", one.fmu.doStep, 0.0, period_s)
+refused("found a terminated instance", one.set, [references["reference_rad"]], [0.0])
+refused("found a terminated instance", one.set_law, 1)
+one.fmu.freeInstance()
 other.end()
 
 # The whole simulation by FMPy's own loop, at the settings of the controller file.
