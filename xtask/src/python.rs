@@ -8,8 +8,14 @@ pub const PYTHON: &str = "FLEXBEAM_PYTHON";
 
 /// What the tests import. What these need themselves, they choose. Playwright's wheel holds its driver but no browser: that is
 /// Debian's. The axe rules of accessibility come with axe-playwright-python.
-const PINS: [&str; 5] =
-    ["mcap==1.6.0", "mcap-ros2-support==0.6.0", "scipy==1.17.1", "playwright==1.65.2", "axe-playwright-python==0.1.8"];
+const PINS: [&str; 6] = [
+    "fmpy==0.3.32",
+    "mcap==1.6.0",
+    "mcap-ros2-support==0.6.0",
+    "scipy==1.17.1",
+    "playwright==1.65.2",
+    "axe-playwright-python==0.1.8",
+];
 
 /// The environment, from the root.
 const FOLDER: &str = "target/tools/python";

@@ -4,8 +4,8 @@ use crate::number::hexadecimal;
 use crate::numbers::Numbers;
 use crate::settings::in_c;
 use crate::template::filled;
-use crate::vectors::{Check, Vectors};
-use crate::{Error, Options, Precision, Source, Sources, Subject, heading};
+use crate::vectors::{Check, SingleError, Vectors};
+use crate::{Error, Name, Options, Precision, Source, Sources, Subject, heading};
 use flexbeam_kernel::{Commanded, Measured};
 
 /// The files, by the name of the options.
@@ -18,19 +18,11 @@ pub fn sources(subject: &Subject<'_>, options: &Options) -> Result<Sources, Erro
     let single_error = vectors.single_error(subject, *precision)?;
     let text = Text { precision: *precision, upper: name.upper() };
     let title = heading::title(subject, *precision);
-    let header = [
-        ("TITLE", title.as_str()),
-        ("BANNER", &heading::banner(subject, single_error.as_ref(), " *")),
-        ("ORDER", &numbers.order.to_string()),
-        ("PERIOD", &format!("{:?}", subject.controller.period_s)),
-        ("SHA256", subject.sha256),
-        ("REAL", text.real()),
-    ];
+    let no_marks: &[(&str, &str)] = &[];
     let files = [
-        ("NAME.h", include_str!("../templates/c/NAME.h"), &header[..]),
-        ("Makefile", include_str!("../templates/c/Makefile"), &[]),
+        ("Makefile", include_str!("../templates/c/Makefile"), no_marks),
         ("CMakeLists.txt", include_str!("../templates/c/CMakeLists.txt"), &[]),
-        ("README.md", include_str!("../templates/c/README.md"), &[("TITLE", &title)]),
+        ("README.md", include_str!("../templates/c/README.md"), &[("TITLE", title.as_str())]),
         ("main_udp.c", include_str!("../templates/c/main_udp.c"), &[]),
         ("test_NAME.c", include_str!("../templates/c/test_NAME.c"), &[]),
     ];
@@ -38,11 +30,21 @@ pub fn sources(subject: &Subject<'_>, options: &Options) -> Result<Sources, Erro
         .into_iter()
         .map(|(path, template, marks)| (path.to_owned(), text.named(options, template, marks)))
         .collect();
-    files.push(("NAME.c".into(), text.source(options, &numbers)?));
+    files.extend(text.controller(subject, options, &numbers, single_error.as_ref())?);
     files.extend(text.vectors(options, &vectors));
     files.extend(FRAME.map(|(path, text)| (path.to_owned(), text.to_owned())));
     let files = files.into_iter().map(|(path, text)| Source { path: path.replace("NAME", name.as_str()), text });
     Ok(Sources { files: files.collect(), single_error })
+}
+
+/// Header and source of the controller alone, in f64.
+///
+/// Errors: those of the kernel.
+pub(crate) fn controller(subject: &Subject<'_>, name: &Name, numbers: &Numbers) -> Result<[Source; 2], Error> {
+    let text = Text { precision: Precision::F64, upper: name.upper() };
+    let options = Options { name: name.clone(), precision: Precision::F64 };
+    let files = text.controller(subject, &options, numbers, None)?;
+    Ok(files.map(|(path, text)| Source { path: path.replace("NAME", name.as_str()), text }))
 }
 
 /// The frame between host and rig: the text that flexbeam-runtime tests, not a copy of it.
@@ -67,6 +69,26 @@ impl Text {
 
     fn named(&self, options: &Options, template: &str, marks: &[(&str, &str)]) -> String {
         filled(&template.replace("NAME", options.name.as_str()).replace("UPPER", &self.upper), marks)
+    }
+
+    /// NAME.h, NAME.c.
+    fn controller(
+        &self,
+        subject: &Subject<'_>,
+        options: &Options,
+        numbers: &Numbers,
+        single_error: Option<&SingleError>,
+    ) -> Result<[(String, String); 2], Error> {
+        let header = [
+            ("TITLE", &*heading::title(subject, self.precision)),
+            ("BANNER", &heading::banner(subject, single_error, " *")),
+            ("ORDER", &numbers.order.to_string()),
+            ("PERIOD", &format!("{:?}", subject.controller.period_s)),
+            ("SHA256", subject.sha256),
+            ("REAL", self.real()),
+        ];
+        let header = self.named(options, include_str!("../templates/c/NAME.h"), &header);
+        Ok([("NAME.h".into(), header), ("NAME.c".into(), self.source(options, numbers)?)])
     }
 
     fn source(&self, options: &Options, numbers: &Numbers) -> Result<String, Error> {

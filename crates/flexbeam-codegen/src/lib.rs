@@ -1,4 +1,4 @@
-//! A controller as source text that stands alone: C99, `no_std` Rust.
+//! A controller as source text that stands alone: C99, `no_std` Rust, a functional mock-up unit.
 //!
 //! Enters: a controller file, its live settings, what its certificate says. Leaves: files by name, with test vectors that the
 //! kernel made. The order of every sum and product is the kernel's, so in f64 the bits are, too. The same input gives the same
@@ -9,6 +9,7 @@
 //! `@MARKS@` where numbers go.
 
 pub mod c;
+pub mod fmu;
 mod heading;
 mod name;
 mod number;

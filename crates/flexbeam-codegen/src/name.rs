@@ -115,7 +115,7 @@ const HEADERS: [&str; 24] = [
 
 /// Files of ours, targets of make and CMake, crates of Rust's own, devices of Windows, and `byte`, whose BYTE_ORDER is a macro of
 /// many systems.
-const RESERVED: [&str; 23] = [
+const RESERVED: [&str; 26] = [
     "all",
     "alloc",
     "aux",
@@ -124,6 +124,9 @@ const RESERVED: [&str; 23] = [
     "con",
     "core",
     "flexbeam_frame",
+    "fmi2",
+    "fmi3",
+    "fmu",
     "help",
     "install",
     "main_udp",

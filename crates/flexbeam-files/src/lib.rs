@@ -6,6 +6,7 @@
 //!
 //! This is the only crate that derives serde; JSON answers are plain types of this crate, too.
 
+mod archive;
 mod certificate;
 mod columns;
 mod controller;
@@ -45,6 +46,7 @@ mod tree;
 mod wire;
 mod write;
 
+pub use archive::zip_bytes;
 pub use certificate::{Certificate, LoopFigures};
 pub use columns::{ColumnName, nearest};
 pub use controller::{Controller, Design};
@@ -85,7 +87,7 @@ pub use scope_wire::{
 };
 pub use screen::{AmplitudeAxis, Edge, FrequencyAxis, Panel, Scope, ScopeKind, Screen, Trigger, TriggerMode};
 pub use settings::{Channel, Law, Settings};
-pub use source_result::{SingleErrorResult, SourceResult};
+pub use source_result::{SingleErrorResult, SourceResult, UnitResult};
 pub use stiffness::{NoStiffness, Stiffness};
 pub use summary::{DirectionSummary, IdentificationSummary, LawSummary, PlantTable, ReproduceSummary};
 pub use system_result::SystemResult;

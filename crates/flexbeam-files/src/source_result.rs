@@ -29,6 +29,33 @@ pub struct SourceResult {
     pub unverified: Option<String>,
 }
 
+/// `flexbeam export --as fmu`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct UnitResult {
+    /// The archive that was written.
+    pub file: String,
+    /// Its SHA-256, in hexadecimal.
+    pub sha256: String,
+    /// Paths in it, with slashes.
+    pub files: Vec<String>,
+    /// `fmu`.
+    pub format: String,
+    /// Version of the functional mock-up interface: `2.0` or `3.0`.
+    pub fmi: String,
+    /// Name of the model.
+    pub name: String,
+    /// The controller file.
+    pub source: String,
+    /// Its SHA-256, in hexadecimal.
+    pub source_sha256: String,
+    /// Number of states.
+    pub order: usize,
+    /// Sample period, which is the step [s].
+    pub period_s: f64,
+    /// Why it was written although its certificate does not match; null where it does.
+    pub unverified: Option<String>,
+}
+
 /// Largest differences from f64 over the test vectors.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SingleErrorResult {

@@ -3,10 +3,12 @@
 //! Enters: any file that can be exported, a form. Leaves: that form, and one answer. Deliberately absent: the forms
 //! themselves, which `flexbeam-files` and `flexbeam-codegen` own.
 
+mod compiler;
 mod recording;
 mod single;
 mod source;
 mod system;
+mod unit;
 
 use flexbeam_files::{Controller, Document, Error, Fault, Model, RUN_SCHEMA, Tried, schema_of};
 
@@ -26,6 +28,7 @@ pub fn run(arguments: &cli::Export) -> Result<(), Failure> {
     idle(arguments).map_or(Ok(()), |idle| Err(Failure::while_trying("export")(idle)))?;
     match arguments.form {
         cli::Form::C | cli::Form::Rust => source::export(arguments),
+        cli::Form::Fmu => unit::export(arguments),
         cli::Form::Csv | cli::Form::Mat | cli::Form::Json => data(arguments, schema_of(&arguments.file)?.as_deref()),
     }
 }
@@ -57,28 +60,33 @@ fn of_tables_only(arguments: &cli::Export) -> Result<(), Idle> {
     }
 }
 
-fn table_options(arguments: &cli::Export) -> Vec<(&'static str, bool)> {
-    vec![("--columns", !arguments.columns.is_empty()), ("--period", arguments.period.is_some())]
+fn table_options(arguments: &cli::Export) -> [(&'static str, bool); 2] {
+    [("--columns", !arguments.columns.is_empty()), ("--period", arguments.period.is_some())]
 }
 
 /// The first option that would do nothing.
 fn idle(arguments: &cli::Export) -> Option<Idle> {
-    let (form, of_source, of_tables) = match arguments.form {
-        cli::Form::C => ("c", true, false),
-        cli::Form::Rust => ("rust", true, false),
-        cli::Form::Csv => ("csv", false, true),
-        cli::Form::Mat => ("mat", false, true),
-        cli::Form::Json => ("json", false, false),
+    use cli::Form::{C, Csv, Fmu, Json, Mat, Rust};
+    let (recording, source, controller) = (&[Csv, Mat][..], &[C, Rust][..], &[C, Rust, Fmu][..]);
+    let of_tables = table_options(arguments).map(|(option, given)| (option, given, recording, "--as csv or mat"));
+    let of_controllers = [
+        ("--precision", arguments.precision.is_some(), source, "--as c or rust"),
+        ("--name", arguments.name != cli::DEFAULT_NAME, controller, "--as c, rust or fmu"),
+        ("--unverified", arguments.unverified.is_some(), controller, "--as c, rust or fmu"),
+        ("--fmi", arguments.fmi.is_some(), &[Fmu], "--as fmu"),
+        ("--sources-only", arguments.sources_only, &[Fmu], "--as fmu"),
+    ];
+    let form = match arguments.form {
+        C => "c",
+        Rust => "rust",
+        Fmu => "fmu",
+        Csv => "csv",
+        Mat => "mat",
+        Json => "json",
     };
-    let given = |options: Vec<(&'static str, bool)>| options.into_iter().find(|(_, given)| *given);
-    let of_table = given(table_options(arguments)).filter(|_| !of_tables);
-    let of_text = given(source_options(arguments)).filter(|_| !of_source);
-    let idle = |needed: &'static str| move |(option, _)| Idle { option, form, needed };
-    of_table.map(idle("--as csv or mat")).or(of_text.map(idle("--as c or rust")))
-}
-
-fn source_options(arguments: &cli::Export) -> Vec<(&'static str, bool)> {
-    let named = arguments.name != cli::DEFAULT_NAME;
-    let (precision, unverified) = (arguments.precision.is_some(), arguments.unverified.is_some());
-    vec![("--precision", precision), ("--name", named), ("--unverified", unverified)]
+    let idle = of_tables
+        .into_iter()
+        .chain(of_controllers)
+        .find(|(_, given, forms, _)| *given && !forms.contains(&arguments.form));
+    idle.map(|(option, _, _, needed)| Idle { option, form, needed })
 }

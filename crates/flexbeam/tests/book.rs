@@ -281,7 +281,7 @@ fn documented_keys(section: &str) -> BTreeSet<String> {
 }
 
 /// Command lines that together give every key of every answer.
-const ANSWERS: [(&str, &str); 15] = [
+const ANSWERS: [(&str, &str); 16] = [
     ("reproduce", "reproduce --out reproduce"),
     ("new", "new beam"),
     ("record", "record --linear --duration 2 --out recording.csv"),
@@ -294,6 +294,7 @@ const ANSWERS: [(&str, &str); 15] = [
     ("export", "export recording.csv --as mat --out recording.mat"),
     ("export", "export controller.toml --as mat --out beam.mat"),
     ("export", "export controller.toml --as c --precision f32 --out source"),
+    ("export", "export controller.toml --as fmu --sources-only --out unit.fmu"),
     ("run", "run controller.toml --duration 0.5 --hold 5"),
     ("rig", "rig --listen pty --duration 0.3"),
     ("show", "show controller.toml"),
@@ -433,7 +434,9 @@ fn listed_messages(page: &str) -> Vec<String> {
 #[test]
 fn the_error_index_lists_nothing_else() {
     let page = Page::read(root().join("book/src/errors.md"));
-    let everything = sources().concat().replace('\u{1}', "\"");
+    let units = ["fmi2.c", "fmi3.c"].map(|name| root().join("crates/flexbeam-codegen/templates/fmu").join(name));
+    let units = units.map(|path| std::fs::read_to_string(path).expect("the text of a unit")).concat();
+    let everything = sources().concat().replace('\u{1}', "\"") + &units;
     let listed = listed_messages(&page.text);
     assert!(listed.len() > 80, "only {} messages were found in the index", listed.len());
     let parts = listed.iter().flat_map(|message| message.split('…'));

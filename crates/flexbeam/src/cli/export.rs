@@ -7,8 +7,8 @@ use clap::{Args, ValueEnum};
 /// `flexbeam export`
 #[derive(Args, Debug)]
 pub struct Export {
-    /// A recording (the MCAP file of a run, or a table) as csv or mat; a model as mat or json; a controller as mat, json, c or
-    /// rust
+    /// A recording (the MCAP file of a run, or a table) as csv or mat; a model as mat or json; a controller as mat, json, c,
+    /// rust or fmu
     pub file: PathBuf,
     /// Form to write
     #[arg(long = "as", value_enum)]
@@ -28,6 +28,12 @@ pub struct Export {
     /// Name of a controller's files, types and functions
     #[arg(long, default_value = DEFAULT_NAME)]
     pub name: String,
+    /// Version of the functional mock-up interface: 2 or 3
+    #[arg(long, value_enum)]
+    pub fmi: Option<Fmi>,
+    /// Leave the binary out of an FMU: whoever imports it compiles the sources
+    #[arg(long)]
+    pub sources_only: bool,
     /// Write a controller whose certificate does not match its numbers, for this reason
     #[arg(long, value_name = "REASON")]
     pub unverified: Option<String>,
@@ -56,6 +62,29 @@ pub enum Form {
     C,
     /// The controller as a no_std crate, with test vectors
     Rust,
+    /// The controller as a functional mock-up unit for co-simulation: one archive with sources and a binary
+    Fmu,
+}
+
+/// Version of the functional mock-up interface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ValueEnum)]
+pub enum Fmi {
+    /// FMI 2.0, which most tools read
+    #[default]
+    #[value(name = "2")]
+    Two,
+    /// FMI 3.0
+    #[value(name = "3")]
+    Three,
+}
+
+impl From<Fmi> for flexbeam_codegen::fmu::Version {
+    fn from(fmi: Fmi) -> Self {
+        match fmi {
+            Fmi::Two => flexbeam_codegen::fmu::Version::Two,
+            Fmi::Three => flexbeam_codegen::fmu::Version::Three,
+        }
+    }
 }
 
 /// Precision of all arithmetic of a controller.

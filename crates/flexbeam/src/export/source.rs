@@ -2,9 +2,10 @@
 
 use flexbeam_codegen::{Name, Options, Precision, Source, Sources, Subject, c, rust};
 use flexbeam_files::{
-    Controller, Document, Overwrite, SingleErrorResult, SourceResult, check_free_folder, json_text, read_bytes,
-    sha256_hex, write_folder,
+    Controller, Document, LoopFigures, Overwrite, SingleErrorResult, SourceResult, check_free_folder, json_text,
+    read_bytes, sha256_hex, write_folder,
 };
+use flexbeam_kernel::Settings;
 
 use super::single;
 use crate::controller_file::kernel_settings;
@@ -51,15 +52,33 @@ fn sources(
     sha256: &str,
     options: &Options,
 ) -> Result<(Sources, Option<String>), Failure> {
-    let tried = || format!("export {}", arguments.file.display());
     let settings = kernel_settings(&file.settings, None);
+    let (figures, unverified) = checked(arguments, file, &settings, options.precision)?;
+    let subject =
+        Subject { controller: file, settings: &settings, sha256, figures: &figures, unverified: unverified.as_deref() };
+    let sources = match arguments.form {
+        cli::Form::Rust => rust::sources(&subject, options),
+        _ => c::sources(&subject, options),
+    };
+    let tried = format!("export {}", arguments.file.display());
+    Ok((sources.map_err(Failure::while_trying(tried))?, unverified))
+}
+
+/// The figures of what is written, and why it may be written although they do not match the certificate.
+pub(super) fn checked(
+    arguments: &cli::Export,
+    file: &Controller,
+    settings: &Settings,
+    precision: Precision,
+) -> Result<(LoopFigures, Option<String>), Failure> {
+    let tried = || format!("export {}", arguments.file.display());
     let broken = broken_figures(file)?;
     if !broken.is_empty() && arguments.unverified.is_none() {
         return Err(Failure::while_trying(tried())(NotCertified(broken)));
     }
-    let (figures, lost) = match options.precision {
+    let (figures, lost) = match precision {
         Precision::F64 => (file.certificate.sampled.clone(), Vec::new()),
-        Precision::F32 => single::figures(file, &settings, &tried())?,
+        Precision::F32 => single::figures(file, settings, &tried())?,
     };
     if broken.is_empty() && !lost.is_empty() && arguments.unverified.is_none() {
         return Err(Failure::while_trying(tried())(LostInRounding(lost)));
@@ -70,13 +89,7 @@ fn sources(
         say(format_args!("warning: {text}"));
         text
     });
-    let subject =
-        Subject { controller: file, settings: &settings, sha256, figures: &figures, unverified: unverified.as_deref() };
-    let sources = match arguments.form {
-        cli::Form::Rust => rust::sources(&subject, options),
-        _ => c::sources(&subject, options),
-    };
-    Ok((sources.map_err(Failure::while_trying(tried()))?, unverified))
+    Ok((figures, unverified))
 }
 
 fn answer(

@@ -1,0 +1,212 @@
+//! `modelDescription.xml`, and `buildDescription.xml` of FMI 3.0.
+
+use super::variables::{self, ENUMERATIONS, Enumeration, NONE, Role, Value, Variable, decimal};
+use super::{Version, escaped};
+use crate::{Name, Precision, Subject, heading};
+
+/// What is described.
+pub(super) struct Model<'a> {
+    pub(super) subject: &'a Subject<'a>,
+    pub(super) name: &'a Name,
+    pub(super) guid: &'a str,
+    pub(super) compiled: &'a [String],
+}
+
+/// Duration that a host proposes by itself [s].
+const SHOWN_S: f64 = 5.0;
+
+impl Version {
+    /// As the interface writes it.
+    pub fn number(self) -> &'static str {
+        match self {
+            Version::Two => "2.0",
+            Version::Three => "3.0",
+        }
+    }
+}
+
+impl Model<'_> {
+    pub(super) fn description(&self, version: Version) -> String {
+        let variables = variables::all(self.subject.settings);
+        let parts = match version {
+            Version::Two => [
+                self.co_simulation_2(),
+                units(),
+                types(simple_type_2),
+                categories(),
+                self.experiment(),
+                listed("ModelVariables", variables.iter().map(variable_2)),
+                structure_2(&variables),
+            ],
+            Version::Three => [
+                self.co_simulation_3(),
+                units(),
+                types(type_3),
+                categories(),
+                self.experiment(),
+                listed("ModelVariables", std::iter::once(TIME_3.to_owned()).chain(variables.iter().map(variable_3))),
+                structure_3(&variables),
+            ],
+        };
+        format!("{}\n{}\n</fmiModelDescription>\n", self.opening(version), parts.join("\n"))
+    }
+
+    fn opening(&self, version: Version) -> String {
+        let (name, guid, number) = (self.name.as_str(), self.guid, version.number());
+        let identity = match version {
+            Version::Two => "guid",
+            Version::Three => "instantiationToken",
+        };
+        let mut description = heading::title(self.subject, Precision::F64);
+        description.push_str(&format!(" SHA-256 of the controller file: {}", self.subject.sha256));
+        if self.subject.unverified.is_some() {
+            description.push_str(". NOT VERIFIED: see documentation/index.html");
+        }
+        format!(
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+             <fmiModelDescription fmiVersion=\"{number}\" modelName=\"{name}\" {identity}=\"{guid}\"\n  \
+             description=\"{}\"\n  generationTool=\"flexbeam {}\" variableNamingConvention=\"structured\">",
+            escaped(&description),
+            env!("CARGO_PKG_VERSION")
+        )
+    }
+
+    fn co_simulation_2(&self) -> String {
+        let files = self.compiled.iter().map(|file| format!("<File name=\"{file}\"/>"));
+        format!(
+            "  <CoSimulation modelIdentifier=\"{}\" canHandleVariableCommunicationStepSize=\"false\"\n    \
+             canNotUseMemoryManagementFunctions=\"true\" canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"\n    \
+             canBeInstantiatedOnlyOncePerProcess=\"false\">\n    <SourceFiles>{}</SourceFiles>\n  </CoSimulation>",
+            self.name.as_str(),
+            files.collect::<String>()
+        )
+    }
+
+    fn co_simulation_3(&self) -> String {
+        format!(
+            "  <CoSimulation modelIdentifier=\"{}\" canHandleVariableCommunicationStepSize=\"false\"\n    \
+             fixedInternalStepSize=\"{}\" canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\"\n    \
+             canBeInstantiatedOnlyOncePerProcess=\"false\"/>",
+            self.name.as_str(),
+            decimal(self.subject.controller.period_s)
+        )
+    }
+
+    fn experiment(&self) -> String {
+        let step = decimal(self.subject.controller.period_s);
+        format!("  <DefaultExperiment startTime=\"0\" stopTime=\"{SHOWN_S}\" stepSize=\"{step}\"/>")
+    }
+
+    /// How FMI 3.0 has the sources compiled.
+    pub(super) fn build_description(&self) -> String {
+        let files: String = self.compiled.iter().map(|file| format!("      <SourceFile name=\"{file}\"/>\n")).collect();
+        format!(
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n  \
+             <BuildConfiguration modelIdentifier=\"{}\">\n    \
+             <SourceFileSet language=\"C99\" compilerOptions=\"-ffp-contract=off\">\n{files}    </SourceFileSet>\n  \
+             </BuildConfiguration>\n</fmiBuildDescription>\n",
+            self.name.as_str()
+        )
+    }
+}
+
+fn units() -> String {
+    let unit = |name: &str, base: &str| format!("<Unit name=\"{name}\"><BaseUnit{base}/></Unit>");
+    let all = [unit("rad", " rad=\"1\""), unit("V", " kg=\"1\" m=\"2\" s=\"-3\" A=\"-1\""), unit(NONE, "")];
+    listed("UnitDefinitions", all.into_iter())
+}
+
+fn types(each: impl Fn(&Enumeration) -> String) -> String {
+    listed("TypeDefinitions", ENUMERATIONS.iter().map(each))
+}
+
+fn items((_, _, items): &Enumeration) -> String {
+    let item = |(value, (name, text)): (usize, &(&str, &str))| {
+        format!("<Item name=\"{name}\" value=\"{value}\" description=\"{}\"/>", escaped(text))
+    };
+    items.iter().enumerate().map(item).collect()
+}
+
+fn simple_type_2(of: &Enumeration) -> String {
+    let (name, text) = (of.0, escaped(of.1));
+    format!("<SimpleType name=\"{name}\" description=\"{text}\"><Enumeration>{}</Enumeration></SimpleType>", items(of))
+}
+
+fn type_3(of: &Enumeration) -> String {
+    let (name, text) = (of.0, escaped(of.1));
+    format!("<EnumerationType name=\"{name}\" description=\"{text}\">{}</EnumerationType>", items(of))
+}
+
+fn categories() -> String {
+    "  <LogCategories><Category name=\"logStatusError\" description=\"What was refused, and why\"/></LogCategories>"
+        .to_owned()
+}
+
+fn listed(element: &str, lines: impl Iterator<Item = String>) -> String {
+    let lines: Vec<String> = lines.map(|line| format!("    {line}")).collect();
+    format!("  <{element}>\n{}\n  </{element}>", lines.join("\n"))
+}
+
+/// Causality, variability and, where the standard leaves a choice, what the initial value is.
+fn role(variable: &Variable) -> &'static str {
+    match variable.role {
+        Role::Input => "causality=\"input\" variability=\"continuous\"",
+        Role::Output => "causality=\"output\" variability=\"discrete\" initial=\"calculated\"",
+        Role::Setting => "causality=\"parameter\" variability=\"tunable\" initial=\"exact\"",
+    }
+}
+
+fn variable_2(variable: &Variable) -> String {
+    let Variable { reference, name, description, .. } = variable;
+    let value = match variable.value {
+        Value::Number(unit, start) => {
+            format!("<Real unit=\"{unit}\"{}/>", start.map_or(String::new(), |x| start_of(&decimal(x))))
+        }
+        Value::Enumeration(of, start) => {
+            format!("<Enumeration declaredType=\"{of}\"{}/>", start.map_or(String::new(), |x| start_of(&x.to_string())))
+        }
+    };
+    let (role, description) = (role(variable), escaped(description));
+    format!(
+        "<ScalarVariable name=\"{name}\" valueReference=\"{reference}\" description=\"{description}\" {role}>{value}</ScalarVariable>"
+    )
+}
+
+const TIME_3: &str =
+    "<Float64 name=\"time\" valueReference=\"0\" causality=\"independent\" variability=\"continuous\"/>";
+
+fn variable_3(variable: &Variable) -> String {
+    let Variable { reference, name, description, .. } = variable;
+    let (element, value) = match variable.value {
+        Value::Number(unit, start) => {
+            ("Float64", format!("unit=\"{unit}\"{}", start.map_or(String::new(), |x| start_of(&decimal(x)))))
+        }
+        Value::Enumeration(of, start) => (
+            "Enumeration",
+            format!("declaredType=\"{of}\"{}", start.map_or(String::new(), |x| start_of(&x.to_string()))),
+        ),
+    };
+    let (role, description) = (role(variable), escaped(description));
+    format!("<{element} name=\"{name}\" valueReference=\"{reference}\" description=\"{description}\" {role} {value}/>")
+}
+
+fn start_of(value: &str) -> String {
+    format!(" start=\"{value}\"")
+}
+
+/// The outputs follow no input at the same instant: a host finds no algebraic loop.
+fn structure_2(variables: &[Variable]) -> String {
+    let unknown = |v: &Variable| format!("<Unknown index=\"{}\" dependencies=\"\"/>", v.reference);
+    let outputs: String = variables.iter().filter(|v| v.role == Role::Output).map(unknown).collect();
+    let lists = ["Outputs", "InitialUnknowns"].map(|list| format!("<{list}>{outputs}</{list}>"));
+    listed("ModelStructure", lists.into_iter())
+}
+
+/// Likewise.
+fn structure_3(variables: &[Variable]) -> String {
+    let unknowns = |element: &'static str| {
+        let outputs = variables.iter().filter(|v| v.role == Role::Output);
+        outputs.map(move |v| format!("<{element} valueReference=\"{}\" dependencies=\"\"/>", v.reference))
+    };
+    listed("ModelStructure", unknowns("Output").chain(unknowns("InitialUnknown")))
+}
