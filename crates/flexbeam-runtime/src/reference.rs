@@ -37,12 +37,16 @@ pub struct Reference {
 }
 
 impl Reference {
+    /// Real-time: no. The largest sample of a file, either way, in units of the amplitude.
+    pub fn peak(&self) -> f64 {
+        self.samples.iter().fold(0.0, |peak, x| peak.max(x.abs()))
+    }
+
     /// Real-time: no. The amplitude that keeps its meaning under another shape: of a file it is a factor, of all others an angle.
-    pub(crate) fn amplitude_as(&self, shape: Shape) -> f64 {
-        let largest = || self.samples.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    pub fn amplitude_as(&self, shape: Shape) -> f64 {
         match (self.shape, shape) {
             (Shape::File, Shape::File) => self.amplitude_rad,
-            (Shape::File, _) => largest() * self.amplitude_rad,
+            (Shape::File, _) => self.peak() * self.amplitude_rad,
             (_, Shape::File) => 1.0,
             _ => self.amplitude_rad,
         }

@@ -134,9 +134,8 @@ impl Panel {
     /// The amplitude selected. A run that begins with a file goes on, when its shape changes, with the file's largest angle.
     pub fn new(live: &Live) -> Panel {
         let reference = &live.reference;
-        let spare_amplitude =
-            if reference.shape == Shape::File { peak(&reference.samples) * reference.amplitude_rad } else { 1.0 };
-        Panel { selected: 1, spare_amplitude }
+        let other = if reference.shape == Shape::File { Shape::Step } else { Shape::File };
+        Panel { selected: 1, spare_amplitude: reference.amplitude_as(other) }
     }
 
     /// The setting that Left and Right change.
@@ -206,11 +205,6 @@ fn neighbour(count: usize, at: usize, way: Way) -> usize {
         Way::On => (at + 1) % count,
         Way::Back => (at + count - 1) % count,
     }
-}
-
-/// The largest angle of a file, either way [rad].
-pub fn peak(samples: &[f64]) -> f64 {
-    samples.iter().fold(0.0, |peak, x| peak.max(x.abs()))
 }
 
 fn shape_word(shape: Shape) -> &'static str {

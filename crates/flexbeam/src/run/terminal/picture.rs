@@ -2,7 +2,7 @@
 
 use flexbeam_runtime::{Live, Phase, Sample, SeenTiming, Shape};
 
-use super::panel::{Panel, Setting, peak};
+use super::panel::{Panel, Setting};
 use super::strip::Strip;
 
 /// An angle's bar has this much room beyond the reference.
@@ -95,7 +95,7 @@ impl Ends {
     /// From the reference and the limits in force.
     pub fn of(live: &Live) -> Ends {
         let (reference, settings) = (&live.reference, &live.settings);
-        let wave = if reference.shape == Shape::File { peak(&reference.samples) } else { 1.0 };
+        let wave = if reference.shape == Shape::File { reference.peak() } else { 1.0 };
         let reach_rad = reference.offset_rad.abs() + wave * reference.amplitude_rad.abs();
         Ends {
             angle_rad: (ROOM * reach_rad).min(settings.theta_limit_rad).max(SMALLEST_RAD),
