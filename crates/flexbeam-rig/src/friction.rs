@@ -1,6 +1,7 @@
 //! Dry friction at the hub, set-valued: at rest it takes any value up to the breakaway torque.
 
 use crate::Error;
+use crate::elementary::exp;
 use crate::error::{not_negative, positive};
 
 /// Coulomb friction, with Stribeck's rise towards standstill if there is one. Viscous friction is
@@ -38,7 +39,7 @@ impl Friction {
 
     /// Torque that opposes sliding at this speed [N m].
     pub fn sliding_nm(&self, speed_rad_s: f64) -> f64 {
-        let excess = |s: Stribeck| s.extra_nm * (-(speed_rad_s / s.speed_rad_s).powi(2)).exp();
+        let excess = |s: Stribeck| s.extra_nm * exp(-(speed_rad_s / s.speed_rad_s).powi(2));
         self.coulomb_nm + self.stribeck.map_or(0.0, excess)
     }
 

@@ -1,7 +1,6 @@
 use crate::Error;
 use crate::error::{not_negative, positive};
-use rand::{Rng, RngExt};
-use rand_distr::StandardNormal;
+use crate::noise::Noise;
 use std::f64::consts::TAU;
 
 /// The encoder on the load shaft.
@@ -69,10 +68,10 @@ impl Gauge {
         Gauge { sees: GaugeSees::TipAngle, noise_rad: 0.0, bias_rad: 0.0, converter_step_rad: None };
 
     /// Deflection angle as read [rad]: bias, noise, conversion. Draws one number when there is noise, else none.
-    pub fn reading_rad(&self, alpha_rad: f64, noise: &mut impl Rng) -> f64 {
+    pub fn reading_rad(&self, alpha_rad: f64, noise: &mut Noise) -> f64 {
         let mut reading = alpha_rad + self.bias_rad;
         if self.noise_rad > 0.0 {
-            reading += self.noise_rad * noise.sample::<f64, _>(StandardNormal);
+            reading += self.noise_rad * noise.draw();
         }
         self.converter_step_rad.map_or(reading, |step| (reading / step).round() * step)
     }
@@ -106,8 +105,6 @@ impl Sensors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
 
     #[test]
     fn the_encoder_counts() {
@@ -123,7 +120,7 @@ mod tests {
     #[test]
     fn the_gauge_has_the_bias_and_the_noise_that_it_says() {
         let gauge = Gauge { bias_rad: 0.01, converter_step_rad: None, noise_rad: 3e-4, sees: GaugeSees::TipAngle };
-        let mut noise = ChaCha8Rng::seed_from_u64(7);
+        let mut noise = Noise::new(7);
         let n = 20_000;
         let readings: Vec<f64> = (0..n).map(|_| gauge.reading_rad(0.1, &mut noise)).collect();
         let mean = readings.iter().sum::<f64>() / f64::from(n);
@@ -136,7 +133,7 @@ mod tests {
     #[test]
     fn the_converter_rounds_to_its_steps() {
         let gauge = Gauge { converter_step_rad: Some(0.25), ..Gauge::IDEAL };
-        let mut unused = ChaCha8Rng::seed_from_u64(0);
+        let mut unused = Noise::new(0);
         assert_eq!(gauge.reading_rad(0.3, &mut unused), 0.25);
         assert_eq!(gauge.reading_rad(-0.4, &mut unused), -0.5);
     }

@@ -1,11 +1,11 @@
 //! The simulated rig: commanded voltage in, sensor readings out, one sample period at a time.
 
 use crate::error::positive;
+use crate::noise::Noise;
+use crate::piece::Piece;
 use crate::stick_slip::StickSlip;
 use crate::{Actuator, Beam, Damping, Error, Friction, GaugeSees, Motion, Output, Physical, Sensors};
 use flexbeam_lti::{Mat, Signals, StateSpace};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 /// How the link is modelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,6 +114,23 @@ impl RigParameters {
     }
 }
 
+/// The numbers by which a period is computed, for who computes it elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigNumbers<'a> {
+    /// Of [theta theta' eta eta'] under hub torque, for a substep, half of it, a quarter, ..
+    pub sliding: &'a [Piece],
+    /// Of [eta eta'] with the hub held, likewise; the torque has no part in them.
+    pub held: &'a [Piece],
+    /// Torque of the link on the held hub: its product with [eta eta'].
+    pub reaction: &'a [f64],
+    /// alpha = tip . eta.
+    pub tip: &'a [f64],
+    /// Gauge signal = gauge . eta.
+    pub gauge: &'a [f64],
+    /// g [N m/V].
+    pub torque_per_volt: f64,
+}
+
 /// What the control computer reads at a sample instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
@@ -173,7 +190,7 @@ pub struct SimulatedRig {
     gauge: Vec<f64>,
     torque_per_volt: f64,
     seed: u64,
-    noise: ChaCha8Rng,
+    noise: Noise,
 }
 
 impl SimulatedRig {
@@ -195,7 +212,7 @@ impl SimulatedRig {
             torque_per_volt: motion.g,
             parameters: *parameters,
             seed,
-            noise: ChaCha8Rng::seed_from_u64(seed),
+            noise: Noise::new(seed),
         })
     }
 
@@ -204,10 +221,22 @@ impl SimulatedRig {
         &self.parameters
     }
 
+    /// The numbers behind [`SimulatedRig::measure`] and [`SimulatedRig::apply`].
+    pub fn numbers(&self) -> RigNumbers<'_> {
+        RigNumbers {
+            sliding: self.dynamics.sliding(),
+            held: self.dynamics.held(),
+            reaction: self.dynamics.reaction(),
+            tip: &self.tip,
+            gauge: &self.gauge,
+            torque_per_volt: self.torque_per_volt,
+        }
+    }
+
     /// Back to rest at theta = alpha = 0, with the same noise as from the start.
     pub fn reset(&mut self) {
         self.dynamics.reset();
-        self.noise = ChaCha8Rng::seed_from_u64(self.seed);
+        self.noise = Noise::new(self.seed);
     }
 
     /// The sensors at this instant. Each call draws new noise.

@@ -5,12 +5,13 @@
 //! takes over from another.
 
 use crate::friction::{Contact, Friction};
+use crate::piece::{Piece, pieces};
 use crate::{Error, Motion};
 use flexbeam_lti::Mat;
 
 /// The instant of a change of contact is bisected down to 2^-24 of a substep: 15 ps of 0.25 ms, in which the hub
 /// gains less speed than rounding loses in a second.
-const HALVINGS: u32 = 24;
+pub(crate) const HALVINGS: u32 = 24;
 const WHOLE: u32 = 1 << HALVINGS;
 
 /// State [theta theta' eta eta'] and what carries it forward.
@@ -92,6 +93,20 @@ impl StickSlip {
         &self.x[LINK..]
     }
 
+    /// For a substep, half of it, a quarter, ..
+    pub fn sliding(&self) -> &[Piece] {
+        &self.sliding
+    }
+
+    /// Likewise, of [eta eta'] with the hub held.
+    pub fn held(&self) -> &[Piece] {
+        &self.held
+    }
+
+    pub fn reaction(&self) -> &[f64] {
+        &self.reaction
+    }
+
     pub fn is_stuck(&self) -> bool {
         self.contact == Contact::Stuck
     }
@@ -164,45 +179,4 @@ impl StickSlip {
     fn torque_on_held_hub(&self, x: &[f64], torque_nm: f64) -> f64 {
         torque_nm + self.reaction.iter().zip(&x[LINK..]).map(|(r, eta)| r * eta).sum::<f64>()
     }
-}
-
-/// x(t + piece) = Phi x(t) + Gamma torque.
-#[derive(Clone, Debug)]
-struct Piece {
-    /// n x n, column-major.
-    Phi: Vec<f64>,
-    Gamma: Vec<f64>,
-}
-
-impl Piece {
-    fn propagate(&self, x: &[f64], torque_nm: f64, next: &mut [f64]) {
-        for (next, gamma) in next.iter_mut().zip(&self.Gamma) {
-            *next = gamma * torque_nm;
-        }
-        for (column, x) in self.Phi.chunks_exact(self.Gamma.len()).zip(x) {
-            for (next, phi) in next.iter_mut().zip(column) {
-                *next += phi * x;
-            }
-        }
-    }
-
-    /// One entry of what [`Piece::propagate`] gives.
-    fn row(&self, row: usize, x: &[f64], torque_nm: f64) -> f64 {
-        let columns = self.Phi.chunks_exact(self.Gamma.len());
-        self.Gamma[row] * torque_nm + columns.zip(x).map(|(column, x)| column[row] * x).sum::<f64>()
-    }
-}
-
-/// exp([A B; 0 0] t) for t = substep, substep/2, .. substep/2^HALVINGS.
-fn pieces(A: &Mat, B: &Mat, substep_s: f64) -> Vec<Piece> {
-    let n = A.nrows();
-    let mut augmented = Mat::zeros(n + 1, n + 1);
-    augmented.view_mut((0, 0), (n, n)).copy_from(A);
-    augmented.view_mut((0, n), (n, 1)).copy_from(B);
-    let piece = |halvings: u32| {
-        let exponential = (&augmented * (substep_s * 0.5_f64.powi(halvings as i32))).exp();
-        let Phi = exponential.view((0, 0), (n, n)).iter().copied().collect();
-        Piece { Phi, Gamma: exponential.view((0, n), (n, 1)).iter().copied().collect() }
-    };
-    (0..=HALVINGS).map(piece).collect()
 }
