@@ -68,7 +68,7 @@ impl Text {
     }
 
     fn named(&self, options: &Options, template: &str, marks: &[(&str, &str)]) -> String {
-        filled(&template.replace("NAME", options.name.as_str()).replace("UPPER", &self.upper), marks)
+        filled(&options.name.inserted(template), marks)
     }
 
     /// NAME.h, NAME.c.

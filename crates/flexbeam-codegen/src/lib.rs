@@ -1,4 +1,4 @@
-//! A controller as source text that stands alone: C99, `no_std` Rust, a functional mock-up unit.
+//! A controller as source text that stands alone: C99, `no_std` Rust, a functional mock-up unit. The simulated rig as a unit.
 //!
 //! Enters: a controller file, its live settings, what its certificate says. Leaves: files by name, with test vectors that the
 //! kernel made. The order of every sum and product is the kernel's, so in f64 the bits are, too. The same input gives the same
@@ -14,6 +14,7 @@ mod heading;
 mod name;
 mod number;
 mod numbers;
+mod rig;
 pub mod rust;
 mod settings;
 mod single;
@@ -23,12 +24,13 @@ mod vectors;
 
 pub use name::Name;
 pub use numbers::rounded;
+pub use rig::{RigSubject, rig_sources};
 pub use vectors::SingleError;
 
 use flexbeam_files::{Controller, LoopFigures};
 use flexbeam_kernel as kernel;
 
-/// Why a controller cannot be written as source text.
+/// Why a controller or a rig cannot be written as source text.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// No name for a file, a type and a function.
@@ -64,6 +66,23 @@ pub enum Error {
         /// Number found.
         found: f64,
     },
+    /// A voltage cannot be early.
+    #[error(
+        "found a rig without computing delay, needed one period at least: a controller as a unit is one period late by itself\nhint: computing_delay_periods = 1 in the rig file"
+    )]
+    Delay,
+    /// More than an Integer of FMI 2.0 holds.
+    #[error(
+        "found encoder.counts_per_turn = {found}, needed at most {largest}\nhint: 0 stands for an exact encoder",
+        largest = i32::MAX
+    )]
+    Counts {
+        /// Counts found.
+        found: u32,
+    },
+    /// No rig can have these parameters.
+    #[error("{0}")]
+    Rig(#[from] flexbeam_rig::Error),
     /// The kernel does not take the coefficients.
     #[error("{0}")]
     Kernel(#[from] kernel::Error),

@@ -47,6 +47,11 @@ impl Name {
         &self.0
     }
 
+    /// A template with the name in it.
+    pub(crate) fn inserted(&self, template: &str) -> String {
+        template.replace("NAME", &self.0).replace("UPPER", &self.upper())
+    }
+
     /// In capital letters, for macros.
     pub(crate) fn upper(&self) -> String {
         self.0.to_ascii_uppercase()
@@ -115,7 +120,7 @@ const HEADERS: [&str; 24] = [
 
 /// Files of ours, targets of make and CMake, crates of Rust's own, devices of Windows, and `byte`, whose BYTE_ORDER is a macro of
 /// many systems.
-const RESERVED: [&str; 26] = [
+const RESERVED: [&str; 27] = [
     "all",
     "alloc",
     "aux",
@@ -130,6 +135,7 @@ const RESERVED: [&str; 26] = [
     "help",
     "install",
     "main_udp",
+    "memory",
     "nul",
     "package",
     "plain_arithmetic",

@@ -3,8 +3,9 @@
 
 mod support;
 
-use flexbeam_codegen::fmu::{SOURCES, Unit, Version, unit};
-use flexbeam_codegen::{Name, Subject};
+use flexbeam_codegen::fmu::{SOURCES, Unit, Version, rig_unit, unit};
+use flexbeam_codegen::{Error, Name, RigSubject, Subject};
+use flexbeam_rig::{Encoder, RigParameters, Sensors};
 use std::path::PathBuf;
 use support::{SHA256, WARNINGS, random, reproduced, run, settings_of, succeeds};
 
@@ -57,13 +58,33 @@ struct Written {
     guid: String,
 }
 
-fn written(order: Option<usize>, version: Version) -> Written {
-    let controller = order.map_or_else(reproduced, random);
+/// What the unit is of.
+#[derive(Clone, Copy, Debug)]
+enum Of {
+    Random(usize),
+    Reproduced,
+    Rig,
+}
+
+fn unit_of(of: Of, version: Version) -> Unit {
+    let name = Name::new("beam").unwrap();
+    let controller = match of {
+        Of::Random(order) => random(order),
+        Of::Reproduced => reproduced(),
+        Of::Rig => {
+            let subject = RigSubject { parameters: &RigParameters::default(), sha256: Some(SHA256) };
+            return rig_unit(&subject, &name, version).unwrap();
+        }
+    };
     let settings = settings_of(&controller);
     let figures = &controller.certificate.sampled;
     let subject = Subject { controller: &controller, settings: &settings, sha256: SHA256, figures, unverified: None };
-    let Unit { files, mut compiled, .. } = unit(&subject, &Name::new("beam").unwrap(), version).unwrap();
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("fmu_{version:?}_{order:?}"));
+    unit(&subject, &name, version).unwrap()
+}
+
+fn written(of: Of, version: Version) -> Written {
+    let Unit { files, mut compiled, .. } = unit_of(of, version);
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("fmu_{version:?}_{of:?}"));
     std::fs::create_dir_all(&folder).unwrap();
     for file in files.iter().filter_map(|file| Some((file.path.strip_prefix(SOURCES)?, &file.text))) {
         std::fs::write(folder.join(file.0), file.1).unwrap();
@@ -87,8 +108,8 @@ fn built(written: &Written, compiler: &str, flags: &[&str]) -> PathBuf {
 #[test]
 fn it_builds_without_warnings_and_knows_its_own_description() {
     for version in [Version::Two, Version::Three] {
-        for order in [Some(0), None] {
-            let written = written(order, version);
+        for of in [Of::Random(0), Of::Reproduced, Of::Rig] {
+            let written = written(of, version);
             for compiler in COMPILERS {
                 let sanitized =
                     ["-O1", "-ffp-contract=off", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
@@ -129,10 +150,29 @@ fn a_build_that_contracts_refuses_to_be_instantiated() {
         return;
     }
     for version in [Version::Two, Version::Three] {
-        let written = written(None, version);
-        let host = built(&written, "gcc", &["-O2", "-ffp-contract=fast", "-mfma"]);
-        let output = run(&host, &[&written.guid], &written.folder);
-        assert_eq!(output.status.code(), Some(1));
-        assert!(String::from_utf8_lossy(&output.stdout).contains("found arithmetic that is not flexbeam's"));
+        for of in [Of::Reproduced, Of::Rig] {
+            let written = written(of, version);
+            let host = built(&written, "gcc", &["-O2", "-ffp-contract=fast", "-mfma"]);
+            let output = run(&host, &[&written.guid], &written.folder);
+            assert_eq!(output.status.code(), Some(1));
+            assert!(String::from_utf8_lossy(&output.stdout).contains("found arithmetic that is not flexbeam's"));
+        }
     }
+}
+
+#[test]
+fn a_rig_that_no_unit_can_be_is_refused() {
+    let default = RigParameters::default();
+    let unit = |parameters: RigParameters| {
+        let subject = RigSubject { parameters: &parameters, sha256: None };
+        rig_unit(&subject, &Name::new("rig").unwrap(), Version::Two).map(|unit| unit.files)
+    };
+    let counts = Encoder { counts_per_turn: Some(1 << 31) };
+    let many = RigParameters { sensors: Sensors { encoder: counts, ..default.sensors }, ..default };
+    assert_eq!(unit(many), Err(Error::Counts { found: 1 << 31 }));
+    assert_eq!(unit(RigParameters { computing_delay_periods: 0, ..default }), Err(Error::Delay));
+    assert!(matches!(unit(RigParameters { period_s: -1.0, ..default }), Err(Error::Rig(_))));
+    // More delay than a host may ask for otherwise.
+    let files = unit(RigParameters { computing_delay_periods: 40, ..default }).unwrap();
+    assert!(files.iter().any(|file| file.text.contains("_LONGEST_DELAY 39\n")));
 }

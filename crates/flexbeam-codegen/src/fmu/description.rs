@@ -1,12 +1,12 @@
 //! `modelDescription.xml`, and `buildDescription.xml` of FMI 3.0.
 
-use super::variables::{self, ENUMERATIONS, Enumeration, NONE, Role, Value, Variable, decimal};
-use super::{Version, escaped};
-use crate::{Name, Precision, Subject, heading};
+use super::variables::{Enumeration, NONE, Role, Value, Variable, decimal};
+use super::{Part, Version, escaped};
+use crate::Name;
 
 /// What is described.
 pub(super) struct Model<'a> {
-    pub(super) subject: &'a Subject<'a>,
+    pub(super) part: &'a Part,
     pub(super) name: &'a Name,
     pub(super) guid: &'a str,
     pub(super) compiled: &'a [String],
@@ -27,25 +27,25 @@ impl Version {
 
 impl Model<'_> {
     pub(super) fn description(&self, version: Version) -> String {
-        let variables = variables::all(self.subject.settings);
+        let (variables, enumerations) = (&self.part.variables, self.part.enumerations);
         let parts = match version {
             Version::Two => [
                 self.co_simulation_2(),
-                units(),
-                types(simple_type_2),
+                units(variables),
+                types(enumerations, simple_type_2),
                 categories(),
                 self.experiment(),
                 listed("ModelVariables", variables.iter().map(variable_2)),
-                structure_2(&variables),
+                structure_2(variables),
             ],
             Version::Three => [
                 self.co_simulation_3(),
-                units(),
-                types(type_3),
+                units(variables),
+                types(enumerations, type_3),
                 categories(),
                 self.experiment(),
                 listed("ModelVariables", std::iter::once(TIME_3.to_owned()).chain(variables.iter().map(variable_3))),
-                structure_3(&variables),
+                structure_3(variables),
             ],
         };
         format!("{}\n{}\n</fmiModelDescription>\n", self.opening(version), parts.join("\n"))
@@ -57,16 +57,11 @@ impl Model<'_> {
             Version::Two => "guid",
             Version::Three => "instantiationToken",
         };
-        let mut description = heading::title(self.subject, Precision::F64);
-        description.push_str(&format!(" SHA-256 of the controller file: {}", self.subject.sha256));
-        if self.subject.unverified.is_some() {
-            description.push_str(". NOT VERIFIED: see documentation/index.html");
-        }
         format!(
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
              <fmiModelDescription fmiVersion=\"{number}\" modelName=\"{name}\" {identity}=\"{guid}\"\n  \
              description=\"{}\"\n  generationTool=\"flexbeam {}\" variableNamingConvention=\"structured\">",
-            escaped(&description),
+            escaped(&self.part.description),
             env!("CARGO_PKG_VERSION")
         )
     }
@@ -88,12 +83,12 @@ impl Model<'_> {
              fixedInternalStepSize=\"{}\" canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\"\n    \
              canBeInstantiatedOnlyOncePerProcess=\"false\"/>",
             self.name.as_str(),
-            decimal(self.subject.controller.period_s)
+            decimal(self.part.period_s)
         )
     }
 
     fn experiment(&self) -> String {
-        let step = decimal(self.subject.controller.period_s);
+        let step = decimal(self.part.period_s);
         format!("  <DefaultExperiment startTime=\"0\" stopTime=\"{SHOWN_S}\" stepSize=\"{step}\"/>")
     }
 
@@ -110,14 +105,27 @@ impl Model<'_> {
     }
 }
 
-fn units() -> String {
-    let unit = |name: &str, base: &str| format!("<Unit name=\"{name}\"><BaseUnit{base}/></Unit>");
-    let all = [unit("rad", " rad=\"1\""), unit("V", " kg=\"1\" m=\"2\" s=\"-3\" A=\"-1\""), unit(NONE, "")];
-    listed("UnitDefinitions", all.into_iter())
+/// The units, with their powers of base units.
+const UNITS: [(&str, &str); 5] = [
+    ("rad", " rad=\"1\""),
+    ("rad/s", " rad=\"1\" s=\"-1\""),
+    ("V", " kg=\"1\" m=\"2\" s=\"-3\" A=\"-1\""),
+    ("N.m", " kg=\"1\" m=\"2\" s=\"-2\""),
+    (NONE, ""),
+];
+
+/// Those that a variable has.
+fn units(variables: &[Variable]) -> String {
+    let unit = |v: &Variable| match v.value {
+        Value::Number(unit, _) | Value::NotBelow(unit, ..) => Some(unit),
+        Value::Whole(..) | Value::Enumeration(..) => None,
+    };
+    let used = UNITS.iter().filter(|(name, _)| variables.iter().any(|v| unit(v) == Some(*name)));
+    listed("UnitDefinitions", used.map(|(name, base)| format!("<Unit name=\"{name}\"><BaseUnit{base}/></Unit>")))
 }
 
-fn types(each: impl Fn(&Enumeration) -> String) -> String {
-    listed("TypeDefinitions", ENUMERATIONS.iter().map(each))
+fn types(enumerations: &[Enumeration], each: impl Fn(&Enumeration) -> String) -> String {
+    listed("TypeDefinitions", enumerations.iter().map(each))
 }
 
 fn items((_, _, items): &Enumeration) -> String {
@@ -153,14 +161,24 @@ fn role(variable: &Variable) -> &'static str {
         Role::Input => "causality=\"input\" variability=\"continuous\"",
         Role::Output => "causality=\"output\" variability=\"discrete\" initial=\"calculated\"",
         Role::Setting => "causality=\"parameter\" variability=\"tunable\" initial=\"exact\"",
+        Role::Fixed => "causality=\"parameter\" variability=\"fixed\" initial=\"exact\"",
     }
 }
+
+const LARGEST_INTEGER: u64 = i32::MAX as u64;
 
 fn variable_2(variable: &Variable) -> String {
     let Variable { reference, name, description, .. } = variable;
     let value = match variable.value {
         Value::Number(unit, start) => {
             format!("<Real unit=\"{unit}\"{}/>", start.map_or(String::new(), |x| start_of(&decimal(x))))
+        }
+        Value::NotBelow(unit, start, least) => {
+            format!("<Real unit=\"{unit}\" min=\"{}\"{}/>", decimal(least), start_of(&decimal(start)))
+        }
+        // The largest Integer of FMI 2.0 has 31 bits.
+        Value::Whole(start, largest) => {
+            format!("<Integer min=\"0\" max=\"{}\"{}/>", largest.min(LARGEST_INTEGER), start_of(&start.to_string()))
         }
         Value::Enumeration(of, start) => {
             format!("<Enumeration declaredType=\"{of}\"{}/>", start.map_or(String::new(), |x| start_of(&x.to_string())))
@@ -180,6 +198,12 @@ fn variable_3(variable: &Variable) -> String {
     let (element, value) = match variable.value {
         Value::Number(unit, start) => {
             ("Float64", format!("unit=\"{unit}\"{}", start.map_or(String::new(), |x| start_of(&decimal(x)))))
+        }
+        Value::NotBelow(unit, start, least) => {
+            ("Float64", format!("unit=\"{unit}\" min=\"{}\"{}", decimal(least), start_of(&decimal(start))))
+        }
+        Value::Whole(start, largest) => {
+            ("Int64", format!("min=\"0\" max=\"{largest}\"{}", start_of(&start.to_string())))
         }
         Value::Enumeration(of, start) => (
             "Enumeration",

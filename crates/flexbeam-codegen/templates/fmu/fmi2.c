@@ -1,4 +1,4 @@
-/* The controller behind the functional mock-up interface 2.0, for co-simulation. The types are those that the standard publishes;
+/* The unit behind the functional mock-up interface 2.0, for co-simulation. The types are those that the standard publishes;
  * what a function must do stands there, too. */
 #include "fmu.h"
 
@@ -223,17 +223,16 @@ PUBLIC fmi2Status API(fmi2SetReal)(fmi2Component c, const fmi2ValueReference var
                                    const fmi2Real values[])
 {
     struct instance *instance = c;
+    struct NAME_memory tried = instance->memory;
     if (instance->memory.phase == UPPER_TERMINATED) {
         return refused(instance, "fmi2SetReal", "found a terminated instance, needed fmi2Reset");
     }
     for (size_t k = 0; k < count; ++k) {
-        if (NAME_settable_number(&instance->memory, variables[k]) == NULL) {
-            return refused_variable(instance, "fmi2SetReal", variables[k], "that of a Real which is an input or a setting");
+        if (!NAME_set_number(&tried, variables[k], values[k])) {
+            return refused_variable(instance, "fmi2SetReal", variables[k], "that of a Real " UPPER_SETTABLE_NUMBERS);
         }
     }
-    for (size_t k = 0; k < count; ++k) {
-        *NAME_settable_number(&instance->memory, variables[k]) = values[k];
-    }
+    instance->memory = tried;
     return fmi2OK;
 }
 
@@ -242,9 +241,11 @@ PUBLIC fmi2Status API(fmi2GetInteger)(fmi2Component c, const fmi2ValueReference 
 {
     const struct instance *instance = c;
     for (size_t k = 0; k < count; ++k) {
-        if (!NAME_get_enumeration(&instance->memory, variables[k], &values[k])) {
-            return refused_variable(instance, "fmi2GetInteger", variables[k], "that of fault or settings.law");
+        int64_t value;
+        if (!NAME_get_whole(&instance->memory, variables[k], &value)) {
+            return refused_variable(instance, "fmi2GetInteger", variables[k], "that of " UPPER_WHOLES);
         }
+        values[k] = (fmi2Integer)value; /* none is larger than an Integer */
     }
     return fmi2OK;
 }
@@ -258,8 +259,8 @@ PUBLIC fmi2Status API(fmi2SetInteger)(fmi2Component c, const fmi2ValueReference 
         return refused(instance, "fmi2SetInteger", "found a terminated instance, needed fmi2Reset");
     }
     for (size_t k = 0; k < count; ++k) {
-        if (!NAME_set_enumeration(&tried, variables[k], values[k])) {
-            return refused_variable(instance, "fmi2SetInteger", variables[k], "that of settings.law, and a value of 0, 1 or 2");
+        if (!NAME_set_whole(&tried, variables[k], values[k])) {
+            return refused_variable(instance, "fmi2SetInteger", variables[k], "that of " UPPER_SETTABLE_WHOLES);
         }
     }
     instance->memory = tried;
@@ -359,7 +360,7 @@ PUBLIC fmi2Status API(fmi2DeSerializeFMUstate)(fmi2Component c, const fmi2Byte b
 {
     struct NAME_memory found;
     if (!NAME_memory_read(&found, (const unsigned char *)bytes, size)) {
-        return refused(c, "fmi2DeSerializeFMUstate", "found other bytes, needed those of fmi2SerializeFMUstate of this controller");
+        return refused(c, "fmi2DeSerializeFMUstate", "found other bytes, needed those of fmi2SerializeFMUstate of this unit");
     }
     return kept(c, &found, state);
 }
@@ -373,7 +374,7 @@ PUBLIC fmi2Status API(fmi2DoStep)(fmi2Component c, fmi2Real time_s, fmi2Real ste
     (void)no_set_before;
     if (status == fmi2OK && !NAME_is_period(step_s)) {
         char text[LONGEST_DETAIL];
-        snprintf(text, sizeof text, "found a step of %.9g s, needed the controller's sample period of %.9g s", step_s,
+        snprintf(text, sizeof text, "found a step of %.9g s, needed the sample period of %.9g s", step_s,
                  UPPER_PERIOD_S);
         return refused(instance, "fmi2DoStep", text);
     }
@@ -431,7 +432,7 @@ PUBLIC fmi2Status API(fmi2GetStringStatus)(fmi2Component c, fmi2StatusKind kind,
     return no_status(c, "fmi2GetStringStatus");
 }
 
-/* ---- What this controller does not offer, and modelDescription.xml does not promise ---- */
+/* ---- What this unit does not offer, and modelDescription.xml does not promise ---- */
 
 PUBLIC fmi2Status API(fmi2SetRealInputDerivatives)(fmi2Component c, const fmi2ValueReference variables[], size_t count,
                                                    const fmi2Integer order[], const fmi2Real values[])

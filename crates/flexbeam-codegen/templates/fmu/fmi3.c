@@ -1,4 +1,4 @@
-/* The controller behind the functional mock-up interface 3.0, for co-simulation. The types are those that the standard publishes;
+/* The unit behind the functional mock-up interface 3.0, for co-simulation. The types are those that the standard publishes;
  * what a function must do stands there, too. */
 #include "fmu.h"
 
@@ -220,6 +220,7 @@ PUBLIC fmi3Status API(fmi3SetFloat64)(fmi3Instance c, const fmi3ValueReference v
                                       const fmi3Float64 values[], size_t value_count)
 {
     struct instance *instance = c;
+    struct NAME_memory tried = instance->memory;
     if (instance->memory.phase == UPPER_TERMINATED) {
         return refused(instance, "fmi3SetFloat64", "found a terminated instance, needed fmi3Reset");
     }
@@ -227,13 +228,11 @@ PUBLIC fmi3Status API(fmi3SetFloat64)(fmi3Instance c, const fmi3ValueReference v
         return refused_count(instance, "fmi3SetFloat64");
     }
     for (size_t k = 0; k < count; ++k) {
-        if (NAME_settable_number(&instance->memory, variables[k]) == NULL) {
-            return refused_variable(instance, "fmi3SetFloat64", variables[k], "that of a Float64 which is an input or a setting");
+        if (!NAME_set_number(&tried, variables[k], values[k])) {
+            return refused_variable(instance, "fmi3SetFloat64", variables[k], "that of a Float64 " UPPER_SETTABLE_NUMBERS);
         }
     }
-    for (size_t k = 0; k < count; ++k) {
-        *NAME_settable_number(&instance->memory, variables[k]) = values[k];
-    }
+    instance->memory = tried;
     return fmi3OK;
 }
 
@@ -245,11 +244,9 @@ PUBLIC fmi3Status API(fmi3GetInt64)(fmi3Instance c, const fmi3ValueReference var
         return refused_count(instance, "fmi3GetInt64");
     }
     for (size_t k = 0; k < count; ++k) {
-        int value;
-        if (!NAME_get_enumeration(&instance->memory, variables[k], &value)) {
-            return refused_variable(instance, "fmi3GetInt64", variables[k], "that of fault or settings.law");
+        if (!NAME_get_whole(&instance->memory, variables[k], &values[k])) {
+            return refused_variable(instance, "fmi3GetInt64", variables[k], "that of " UPPER_WHOLES);
         }
-        values[k] = value;
     }
     return fmi3OK;
 }
@@ -266,8 +263,8 @@ PUBLIC fmi3Status API(fmi3SetInt64)(fmi3Instance c, const fmi3ValueReference var
         return refused_count(instance, "fmi3SetInt64");
     }
     for (size_t k = 0; k < count; ++k) {
-        if (!NAME_set_enumeration(&tried, variables[k], values[k])) {
-            return refused_variable(instance, "fmi3SetInt64", variables[k], "that of settings.law, and a value of 0, 1 or 2");
+        if (!NAME_set_whole(&tried, variables[k], values[k])) {
+            return refused_variable(instance, "fmi3SetInt64", variables[k], "that of " UPPER_SETTABLE_WHOLES);
         }
     }
     instance->memory = tried;
@@ -391,7 +388,7 @@ PUBLIC fmi3Status API(fmi3DeserializeFMUState)(fmi3Instance c, const fmi3Byte by
 {
     struct NAME_memory found;
     if (!NAME_memory_read(&found, bytes, size)) {
-        return refused(c, "fmi3DeserializeFMUState", "found other bytes, needed those of fmi3SerializeFMUState of this controller");
+        return refused(c, "fmi3DeserializeFMUState", "found other bytes, needed those of fmi3SerializeFMUState of this unit");
     }
     return kept(c, &found, state);
 }
@@ -411,7 +408,7 @@ PUBLIC fmi3Status API(fmi3DoStep)(fmi3Instance c, fmi3Float64 time_s, fmi3Float6
     *last_time_s = instance->memory.time_s;
     if (status == fmi3OK && !NAME_is_period(step_s)) {
         char text[LONGEST_DETAIL];
-        snprintf(text, sizeof text, "found a step of %.9g s, needed the controller's sample period of %.9g s", step_s,
+        snprintf(text, sizeof text, "found a step of %.9g s, needed the sample period of %.9g s", step_s,
                  UPPER_PERIOD_S);
         return refused(instance, "fmi3DoStep", text);
     }
@@ -422,7 +419,7 @@ PUBLIC fmi3Status API(fmi3DoStep)(fmi3Instance c, fmi3Float64 time_s, fmi3Float6
     return status;
 }
 
-/* ---- What this controller does not offer, and modelDescription.xml does not promise ---- */
+/* ---- What this unit does not offer, and modelDescription.xml does not promise ---- */
 
 static fmi3Status not_offered(fmi3Instance c, const char *function)
 {
