@@ -33,6 +33,7 @@
 pub mod breakaway;
 mod error;
 pub mod excitation;
+mod fourier;
 mod hankel;
 pub mod identify;
 mod order;
