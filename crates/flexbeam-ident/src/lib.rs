@@ -42,6 +42,7 @@ pub mod physical;
 mod projection;
 mod scaling;
 mod singular;
+pub mod spectrum;
 pub mod structured;
 mod subspace;
 mod triangle;

@@ -34,7 +34,7 @@ pub struct Plan {
     pub band_hz: Option<[f64; 2]>,
     /// Root mean square [V].
     pub rms_v: f64,
-    /// Largest voltage [V]: white noise is clipped there, every other shape is made smaller as a whole.
+    /// Largest voltage [V], infinite for none: white noise is clipped there, every other shape is made smaller as a whole.
     pub peak_v: f64,
     /// The record is this many times the same; 1 for one that does not repeat.
     pub periods: usize,
@@ -102,8 +102,9 @@ impl Plan {
             let found = if self.periods == 0 { 0.0 } else { (self.samples / self.periods) as f64 };
             return setting("the samples of a period of the excitation", found, "at least 8, in at least one period");
         }
-        for (name, found) in [("rms_v", self.rms_v), ("peak_v", self.peak_v), ("period_s", self.period_s)] {
-            if !(found > 0.0 && found.is_finite()) {
+        let finite = [("rms_v", self.rms_v, true), ("period_s", self.period_s, true), ("peak_v", self.peak_v, false)];
+        for (name, found, finite) in finite {
+            if !(found > 0.0 && (found.is_finite() || !finite)) {
                 return setting(name, found, "a positive number");
             }
         }
