@@ -30,6 +30,11 @@ impl Segments {
         Segments { samples: (2 * samples / 17).max(FEWEST) }
     }
 
+    /// How many independent pieces a record of that many samples has.
+    pub fn independent(&self, samples: usize) -> f64 {
+        independent(self.starts(samples).len())
+    }
+
     /// Starts of the pieces.
     fn starts(&self, samples: usize) -> Vec<usize> {
         let hop = (self.samples / 2).max(1);
