@@ -18,6 +18,7 @@ fn main() {
         port: "sim".into(),
         provenance: Provenance::default(),
         controller: None,
+        excitation: None,
     };
     let samples: Vec<RunSample> = (0..TICKS).map(sample).collect();
     let start = Instant::now();

@@ -1,6 +1,7 @@
 //! The note beside a recording: a CSV file stays plain, so its schema and its parents stand next to it.
 
 use crate::document::Document;
+use crate::excitation::Excitation;
 use crate::hash::sha256_hex;
 use crate::misfit::Misfit;
 use crate::model::positive;
@@ -21,6 +22,8 @@ pub struct Note {
     pub samples: usize,
     /// Columns besides time, with their units.
     pub columns: Vec<String>,
+    /// The voltage as it was planned, where the recording was made by `flexbeam record`.
+    pub excitation: Option<Excitation>,
     /// Where it came from.
     pub provenance: Option<Provenance>,
 }
@@ -33,6 +36,7 @@ impl Note {
             period_s: signals.period_s,
             samples: signals.samples(),
             columns: signals.names.clone(),
+            excitation: None,
             provenance: Some(provenance),
         }
     }
@@ -55,6 +59,9 @@ impl Document for Note {
 
     fn check(&self) -> Result<(), Misfit> {
         positive("period_s", self.period_s)?;
-        if self.columns.is_empty() { Err(Misfit::empty("columns")) } else { Ok(()) }
+        if self.columns.is_empty() {
+            return Err(Misfit::empty("columns"));
+        }
+        self.excitation.as_ref().map_or(Ok(()), |table| table.check().map_err(|misfit| misfit.under("excitation")))
     }
 }

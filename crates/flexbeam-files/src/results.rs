@@ -4,6 +4,7 @@
 
 use crate::certificate::LoopFigures;
 use crate::controller::Controller;
+use crate::excitation::Excitation;
 use crate::extended::Extended;
 use crate::matrices::Rows;
 use crate::model::Physical;
@@ -268,6 +269,10 @@ pub struct RecordResult {
     pub rms_v: f64,
     /// Seed of excitation and sensor noise.
     pub seed: u64,
+    /// The voltage as it was planned.
+    pub excitation: Excitation,
+    /// The lumped link's numbers and the standard errors expected of a fit to the whole recording; null without noise.
+    pub expected: Option<Physical>,
 }
 
 /// `flexbeam rig test`.

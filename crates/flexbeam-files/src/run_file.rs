@@ -36,6 +36,6 @@ pub use summary::RunSummary;
 pub use topics::RunTopic;
 pub use writer::RunWriter;
 
-pub(crate) use header::RunOrigin;
+pub(crate) use header::{RunOrigin, excitation_of_run};
 pub(crate) use messages::by_key;
 pub(crate) use records::is_mcap;

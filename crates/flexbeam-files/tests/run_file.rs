@@ -26,6 +26,7 @@ fn header() -> RunHeader {
             ],
         },
         controller: Some(b"schema = \"flexbeam.controller/1\"\norder = 4\n".to_vec()),
+        excitation: None,
     }
 }
 

@@ -131,6 +131,30 @@ pub enum Error {
         /// Sample, from 0.
         sample: usize,
     },
+    /// Two models with different numbers of poles right of the line Re s = -beta: (19) does not make them one plant.
+    #[error(
+        "beta = {beta} cannot hold: the recording shows a pole at {re:.4} {im:+.1}j that the nominal plant lacks on that side of the line Re s = -beta; hint: a beta well below the damping of every neglected mode"
+    )]
+    PoleBeyond {
+        /// Stability degree [1/s].
+        beta: f64,
+        /// Real part of the pole [1/s].
+        re: f64,
+        /// Imaginary part [rad/s].
+        im: f64,
+    },
+    /// A pole that is not known well enough to say on which side of the line it lies.
+    #[error(
+        "beta = {beta} is too near to the damping of a mode: in {beyond} of {replicates} recordings that might as well have been made, a pole changes sides of the line Re s = -beta; hint: a smaller beta, or a longer recording"
+    )]
+    PoleUncertain {
+        /// Stability degree [1/s].
+        beta: f64,
+        /// Re-estimates with another number of poles there.
+        beyond: usize,
+        /// Re-estimates made.
+        replicates: usize,
+    },
     /// A question about the linear system had no answer.
     #[error(transparent)]
     Linear(#[from] flexbeam_lti::Error),

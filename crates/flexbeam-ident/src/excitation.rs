@@ -3,6 +3,14 @@
 //! Enters: settings and, where chance is needed, a seed. Leaves: one voltage a sample.
 //! Deliberately absent: the rig that they are sent to.
 
+mod chirp;
+mod multisine;
+mod plan;
+mod prbs;
+
+pub use plan::{Excitation, Plan, Shape};
+pub use prbs::binary_sequence;
+
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

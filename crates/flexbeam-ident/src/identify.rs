@@ -228,6 +228,21 @@ fn automatic_order(factor: &Factor, found: &Directions, method: Method) -> usize
 
 fn check(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<(), Error> {
     let setting = |setting, found, needed| Err(Error::Setting { setting, found, needed });
+    expect_together(inputs, outputs)?;
+    if options.block_rows < 2 {
+        return setting("block_rows", options.block_rows as f64, "at least 2");
+    }
+    if options.order == Order::Fixed(0) {
+        return setting("order", 0.0, "at least 1");
+    }
+    if !(options.estimate > 0.0 && options.estimate <= 1.0) {
+        return setting("estimate", options.estimate, "more than 0 and at most 1");
+    }
+    Ok(())
+}
+
+/// Channels on both sides, recorded in step, all samples finite.
+pub(crate) fn expect_together(inputs: &Signals, outputs: &Signals) -> Result<(), Error> {
     if inputs.channels() == 0 || outputs.channels() == 0 {
         return Err(Error::NoChannel { inputs: inputs.channels(), outputs: outputs.channels() });
     }
@@ -240,17 +255,7 @@ fn check(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<(), E
         return Err(Error::Period { input_s, output_s });
     }
     expect_finite(inputs)?;
-    expect_finite(outputs)?;
-    if options.block_rows < 2 {
-        return setting("block_rows", options.block_rows as f64, "at least 2");
-    }
-    if options.order == Order::Fixed(0) {
-        return setting("order", 0.0, "at least 1");
-    }
-    if !(options.estimate > 0.0 && options.estimate <= 1.0) {
-        return setting("estimate", options.estimate, "more than 0 and at most 1");
-    }
-    Ok(())
+    expect_finite(outputs)
 }
 
 fn expect_finite(signals: &Signals) -> Result<(), Error> {

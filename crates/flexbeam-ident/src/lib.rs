@@ -30,9 +30,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod bound;
 pub mod breakaway;
 mod error;
 pub mod excitation;
+mod fourier;
 mod hankel;
 pub mod identify;
 mod order;
@@ -41,6 +43,7 @@ pub mod physical;
 mod projection;
 mod scaling;
 mod singular;
+pub mod spectrum;
 pub mod structured;
 mod subspace;
 mod triangle;

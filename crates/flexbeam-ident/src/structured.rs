@@ -101,6 +101,29 @@ pub fn structured_fit(
     Err(Error::NotSettled { iterations: MOST_ITERATIONS, step: relative })
 }
 
+/// Standard errors that [`structured_fit`] will have, before anything is recorded: square roots of the diagonal of the
+/// inverse Fisher information, with the initial state and the two offsets unknown as they are to the fit.
+///
+/// Shapes: one voltage a sample; `noise_rad` the standard deviations of the noise on theta and alpha.
+/// Assumes: the rig is (18) with these parameters, started at rest, and the noise white, Gaussian and independent.
+/// Errors: [`Error::Setting`] for a noise that is not positive; [`Error::TooFewSamples`].
+/// Source: Ljung 1999, section 7.4 (Cramer-Rao) and 13.3 (design of the input).
+pub fn expected_errors(
+    voltage_v: &[f64],
+    period_s: f64,
+    nominal: &Lumped,
+    noise_rad: [f64; 2],
+) -> Result<Lumped, Error> {
+    if let Some(found) = noise_rad.into_iter().find(|sigma| !(*sigma > 0.0 && sigma.is_finite())) {
+        return Err(Error::Setting { setting: "the noise of a sensor [rad]", found, needed: "a positive number" });
+    }
+    // The Jacobian asks what the model answers, never what was measured.
+    let unmeasured = vec![0.0; voltage_v.len()];
+    let record = Record::new(voltage_v, &unmeasured, &unmeasured, period_s)?;
+    let at = record.linearised(&nominal.to_array(), &Vector::zeros(LINEAR), &noise_rad);
+    Ok(Lumped::from_array(at.standard_errors()))
+}
+
 struct Record<'a> {
     voltage_v: &'a [f64],
     outputs: [&'a [f64]; 2],

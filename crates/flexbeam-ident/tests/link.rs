@@ -1,8 +1,8 @@
 //! The paper's plant (18): identified, carried to continuous time and to physical coordinates.
 
-use flexbeam_ident::excitation::white_gaussian;
+use flexbeam_ident::excitation::{Plan, Shape, white_gaussian};
 use flexbeam_ident::physical::{physical_form, physical_state};
-use flexbeam_ident::structured::{LinkFit, structured_fit};
+use flexbeam_ident::structured::{LinkFit, expected_errors, structured_fit};
 use flexbeam_ident::{Error, Identified, Method, Options, Order, identify};
 use flexbeam_lti::{C64, Mat, Signals, StateSpace, Time, Vector, sampling, simulation};
 use flexbeam_rig::{Lumped, Output};
@@ -213,4 +213,43 @@ fn physical_form_refuses_what_is_not_the_link() {
     blind.C[(1, 0)] = 1.0;
     assert!(matches!(physical_form(&blind, 0, 1), Err(Error::Unobservable { .. })));
     assert_eq!(plant.time, Time::Continuous);
+}
+
+/// 200 recordings of the estimator itself: the spread of its estimates is what was expected of the voltage alone. The
+/// standard deviation of a standard deviation from 200 draws is 5 %.
+#[test]
+fn the_spread_of_the_estimates_is_the_one_expected_before_recording() {
+    const RUNS: u64 = 200;
+    const NOISE_RAD: [f64; 2] = [2e-3, 5e-4];
+    let plan = Plan {
+        shape: Shape::Multisine,
+        band_hz: Some([0.5, 20.0]),
+        rms_v: 3.0,
+        peak_v: 10.0,
+        periods: 1,
+        samples: 1000,
+        period_s: 0.004,
+        seed: 1,
+    };
+    let multisine = plan.excitation().unwrap().voltage_v;
+    for (name, voltage) in [("multisine", multisine), ("white", white_gaussian(1000, 3.0, 10.0, 1))] {
+        let expected = expected_errors(&voltage, 0.004, &TRUE, NOISE_RAD).unwrap().to_array();
+        let V = Mat::from_row_slice(1, 1000, &voltage);
+        let Y = simulation::simulate(&sampling::zoh(&plant(), 0.004).unwrap(), &V, &Vector::zeros(4)).unwrap();
+        let mut squares = [0.0; 4];
+        for seed in 0..RUNS {
+            let noisy = |o: usize| -> Vec<f64> {
+                let noise = white_gaussian(1000, NOISE_RAD[o], f64::INFINITY, 2 * seed + o as u64 + 50_000);
+                Y.row(o).iter().zip(noise).map(|(y, e)| y + e).collect()
+            };
+            let fit = structured_fit(&voltage, &noisy(0), &noisy(1), 0.004, TRUE).unwrap();
+            let off = fit.parameters.to_array();
+            (0..4).for_each(|p| squares[p] += (off[p] - TRUE.to_array()[p]).powi(2));
+        }
+        for (p, parameter) in ["k1", "k2", "c", "b"].iter().enumerate() {
+            let ratio = (squares[p] / RUNS as f64).sqrt() / expected[p];
+            println!("{name}: {parameter} expected {:.3e}, spread {ratio:.3} times that", expected[p]);
+            assert!((0.85..1.15).contains(&ratio), "{name}: {parameter} {ratio}");
+        }
+    }
 }

@@ -6,6 +6,7 @@
 mod blocks;
 mod compression;
 pub mod connections;
+pub mod cover;
 #[cfg(test)]
 mod draw;
 pub mod equilibration;

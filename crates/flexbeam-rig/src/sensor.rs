@@ -90,6 +90,14 @@ impl Sensors {
     /// theta and alpha, unchanged.
     pub const IDEAL: Sensors = Sensors { encoder: Encoder { counts_per_turn: None }, gauge: Gauge::IDEAL };
 
+    /// Standard deviations of what the sensors add to theta and alpha [rad]: noise, and rounding to steps as if it were
+    /// uniform and white, which it is while the signal crosses several steps a sample.
+    pub fn noise_rad(&self) -> [f64; 2] {
+        let rounding = |step_rad: f64| step_rad / 12f64.sqrt();
+        let count = self.encoder.counts_per_turn.map_or(0.0, |counts| rounding(TAU / f64::from(counts)));
+        [count, self.gauge.noise_rad.hypot(self.gauge.converter_step_rad.map_or(0.0, rounding))]
+    }
+
     pub(crate) fn check(&self) -> Result<(), Error> {
         self.encoder.counts_per_turn.map_or(Ok(0.0), |n| positive("encoder counts", "a turn", f64::from(n)))?;
         self.gauge.converter_step_rad.map_or(Ok(0.0), |step| positive("gauge converter step", "rad", step))?;

@@ -151,6 +151,7 @@ fn full(period_s: f64, duration_s: f64, core: usize, folder: &std::path::Path, s
         port: "simulated".into(),
         provenance: Provenance { tool: "bench".into(), ..Provenance::default() },
         controller: None,
+        excitation: None,
     };
     let file = RunFile::create(&path, Overwrite::SameKind, &header).expect("a folder of our own");
     let context = RunContext { port: "simulated".into(), period_s };

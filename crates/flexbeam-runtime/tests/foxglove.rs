@@ -29,6 +29,7 @@ fn header() -> RunHeader {
         port: "simulated".into(),
         provenance: Default::default(),
         controller: None,
+        excitation: None,
     }
 }
 

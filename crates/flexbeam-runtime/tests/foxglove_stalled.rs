@@ -37,6 +37,7 @@ fn who_never_reads_costs_a_bounded_queue_and_nobody_else_anything() {
         port: "simulated".into(),
         provenance: Default::default(),
         controller: None,
+        excitation: None,
     };
     let file = RunFile::create(&path, Overwrite::SameKind, &header).unwrap();
     let context = RunContext { port: "simulated".into(), period_s: 1e-3 };
@@ -104,6 +105,7 @@ fn a_server_ends_although_a_viewer_never_reads() {
         port: String::new(),
         provenance: Default::default(),
         controller: None,
+        excitation: None,
     };
     let mut sink = viewers.sink(&header);
     let mut stalled = Viewer::connect(&viewers.address().to_string());

@@ -3,6 +3,7 @@
 mod export;
 mod given;
 mod new;
+mod record;
 mod rig;
 mod run;
 mod scope;
@@ -18,6 +19,7 @@ use crate::nominal::Nominal;
 pub use export::{DEFAULT_NAME, Export, Form, Precision};
 pub use given::Given;
 pub use new::New;
+pub use record::{Record, Waveform};
 pub use rig::{Experiment, Rig, RigTest, ServeRig};
 pub use run::{RigLink, Run, Signal, Tell, What};
 pub use scope::Scope;
@@ -80,41 +82,6 @@ pub struct Reproduce {
     /// Seed of excitation and sensor noise
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// One JSON object on standard output
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// `flexbeam record`
-#[derive(Args, Debug)]
-pub struct Record {
-    /// The file to write: CSV, or a run recording where it ends in .mcap
-    #[arg(short, long, default_value = "recording.csv")]
-    pub out: PathBuf,
-    /// Where the rig is.
-    #[command(flatten)]
-    pub link: RigLink,
-    /// Rig file of the simulated rig; the paper's by default
-    #[arg(long)]
-    pub rig: Option<PathBuf>,
-    /// Length [s]
-    #[arg(long, default_value_t = 10.0)]
-    pub duration: f64,
-    /// Sample period [s]; the rig file's by default, else 0.001
-    #[arg(long)]
-    pub period: Option<f64>,
-    /// Root mean square of the white Gaussian voltage [V]
-    #[arg(long, default_value_t = 5.0)]
-    pub rms: f64,
-    /// The linear lumped rig without friction, quantisation, noise and delay
-    #[arg(long)]
-    pub linear: bool,
-    /// Seed of excitation and sensor noise
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// Write over a file that is not of the kind to be written
-    #[arg(long)]
-    pub force: bool,
     /// One JSON object on standard output
     #[arg(long)]
     pub json: bool,

@@ -1,14 +1,15 @@
-//! `flexbeam record`: white Gaussian voltage through a rig. The simulated rig takes no time and leaves a CSV file with a note beside
+//! `flexbeam record`: a planned voltage through a rig. The simulated rig takes no time and leaves a CSV file with a note beside
 //! it; a rig at another port, and every recording whose name ends in .mcap, is driven on the clock.
 
 mod on_clock;
+mod planned;
 
 use std::path::Path;
 
 use flexbeam_files::{
-    Document, FEWEST_ROWS, Note, Overwrite, RecordResult, check_free, csv_text, json_text, sha256_hex, write_bytes,
+    Document, Excitation, Note, Overwrite, Physical, RecordResult, check_free, csv_text, json_text, sha256_hex,
+    write_bytes,
 };
-use flexbeam_ident::excitation::white_gaussian;
 use flexbeam_lti::Signals;
 use flexbeam_report::significant;
 use flexbeam_rig::{RigParameters, SimulatedRig, open_loop};
@@ -20,25 +21,15 @@ use crate::response::linear_rig;
 use crate::rig_file::rig_parameters;
 use crate::{Failure, cli};
 
-/// A setting of the experiment that makes no recording.
-#[derive(Debug, thiserror::Error)]
-#[error("found {setting} {found} {unit}, needed {needed}\nhint: {hint}")]
-struct NoExperiment {
-    setting: &'static str,
-    found: f64,
-    unit: &'static str,
-    needed: String,
-    hint: &'static str,
-}
-
 /// `flexbeam record`.
 pub fn run(arguments: &cli::Record) -> Result<(), Failure> {
     if arguments.out.extension().is_some_and(|extension| extension == "mcap") {
         let (port, parameters) = (port(&arguments.link.port)?, parameters(arguments)?);
-        return on_clock::Recording { arguments, port: &port, parameters: &parameters }.as_run();
+        let Promised { excitation, planned, .. } = Promised::of(arguments, &parameters)?;
+        let voltage_v = &excitation.voltage_v;
+        return on_clock::Recording { arguments, port: &port, parameters: &parameters, voltage_v }.as_run(planned);
     }
-    let (signals, bytes) = recorded(arguments)?;
-    answer(arguments, &signals, &bytes);
+    answer(arguments, recorded_as_planned(arguments)?);
     Ok(())
 }
 
@@ -53,25 +44,69 @@ fn parameters(arguments: &cli::Record) -> Result<RigParameters, Failure> {
 /// Returns: the signals, and the table's bytes.
 /// Errors: those of the rig and of writing.
 pub(crate) fn recorded(arguments: &cli::Record) -> Result<(Signals, Vec<u8>), Failure> {
+    let Recorded { signals, bytes, .. } = recorded_as_planned(arguments)?;
+    Ok((signals, bytes))
+}
+
+/// A table of signals, and what was promised of it.
+struct Recorded {
+    signals: Signals,
+    bytes: Vec<u8>,
+    planned: Excitation,
+    expected: Option<Physical>,
+}
+
+fn recorded_as_planned(arguments: &cli::Record) -> Result<Recorded, Failure> {
     let (csv, note) = (&arguments.out, Note::path_for(&arguments.out));
     let replace = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
     let (port, parameters) = (port(&arguments.link.port)?, parameters(arguments)?);
     check_free(csv, replace)?;
     let replace_note = overwrite::<Note>(&note, arguments.force)?;
+    let Promised { excitation, planned, expected } = Promised::of(arguments, &parameters)?;
     let signals = if port == Port::Simulated {
         let _sign = waiting("recording");
-        let tried = format!("record {}", csv.display());
-        excited(&parameters, arguments.duration, arguments.rms, arguments.seed)
-            .map_err(|error| Failure::Input { tried, error })?
+        driven(&parameters, &excitation.voltage_v, arguments.seed)
+            .map_err(|error| Failure::Input { tried: tried(arguments), error })?
     } else {
-        on_clock::Recording { arguments, port: &port, parameters: &parameters }.as_signals()?
+        on_clock::Recording { arguments, port: &port, parameters: &parameters, voltage_v: &excitation.voltage_v }
+            .as_signals()?
     };
     let bytes = csv_text(&signals, None).into_bytes();
     let parents: Vec<&Path> = arguments.rig.iter().map(|path| path.as_path()).collect();
-    let text = Note::new(&signals, &bytes, provenance(&parents, &note)?).to_toml(&note)?;
+    let about = Note::new(&signals, &bytes, provenance(&parents, &note)?);
+    let text = Note { excitation: Some(planned.clone()), ..about }.to_toml(&note)?;
     write_bytes(csv, &bytes, replace)?;
     write_bytes(&note, text.as_bytes(), replace_note)?;
-    Ok((signals, bytes))
+    Ok(Recorded { signals, bytes, planned, expected })
+}
+
+fn tried(arguments: &cli::Record) -> String {
+    format!("record {}", arguments.out.display())
+}
+
+/// A voltage, and what its recording is expected to tell of the rig.
+struct Promised {
+    excitation: flexbeam_ident::excitation::Excitation,
+    planned: Excitation,
+    expected: Option<Physical>,
+}
+
+impl Promised {
+    /// Makes the voltage, and says on standard error what to expect of it.
+    ///
+    /// Errors: settings of which no recording can be made.
+    fn of(arguments: &cli::Record, parameters: &RigParameters) -> Result<Promised, Failure> {
+        let promised = || -> Result<Promised, Box<dyn std::error::Error>> {
+            let excitation = planned::voltage(&planned::plan(arguments, parameters)?)?;
+            let expected = planned::expected(parameters, &excitation.voltage_v)?;
+            Ok(Promised { planned: planned::table(arguments, &excitation), excitation, expected })
+        };
+        let promised = promised().map_err(|error| Failure::Input { tried: tried(arguments), error })?;
+        if let Some(expected) = &promised.expected {
+            planned::say_expected(expected, parameters.sensors.noise_rad());
+        }
+        Ok(promised)
+    }
 }
 
 /// White Gaussian voltage of this rms, and what the rig's sensors read.
@@ -83,53 +118,22 @@ pub(crate) fn excited(
     rms_v: f64,
     seed: u64,
 ) -> Result<Signals, Box<dyn std::error::Error>> {
-    let voltage_v = excitation(parameters, duration_s, rms_v, seed)?;
-    // The sensors' noise must not be the excitation once more: another seed, as far from this one as can be.
-    let mut rig = SimulatedRig::new(parameters, !seed)?;
-    Ok(open_loop(&mut rig, &voltage_v)?)
+    let plan = planned::white(parameters, duration_s, rms_v, seed)?;
+    driven(parameters, &planned::voltage(&plan)?.voltage_v, seed)
 }
 
-/// White Gaussian voltage of this rms, a sample a period, clipped at the amplifier's limit.
-///
-/// Errors: a duration, period or rms of which no recording can be made.
-fn excitation(
-    parameters: &RigParameters,
-    duration_s: f64,
-    rms_v: f64,
-    seed: u64,
-) -> Result<Vec<f64>, Box<dyn std::error::Error>> {
-    let wrong = |setting, found, unit, needed, hint| Err(NoExperiment { setting, found, unit, needed, hint }.into());
-    let period_s = parameters.period_s;
-    if !(period_s > 0.0 && period_s.is_finite()) {
-        return wrong(
-            "a sample period of",
-            period_s,
-            "s",
-            "a positive number".into(),
-            "1 ms suits the beam: --period 0.001",
-        );
-    }
-    let samples = (duration_s / period_s).round();
-    if !(samples >= FEWEST_ROWS as f64 && samples <= MOST_SAMPLES) {
-        let needed = format!("{FEWEST_ROWS} to {MOST_SAMPLES:e} samples of {period_s} s");
-        return wrong("a duration of", duration_s, "s", needed, "ten seconds are plenty: --duration 10");
-    }
-    if !(rms_v > 0.0 && rms_v.is_finite()) {
-        return wrong(
-            "an rms voltage of",
-            rms_v,
-            "V",
-            "a positive number".into(),
-            "half of the amplifier's limit: --rms 5",
-        );
-    }
-    Ok(white_gaussian(samples as usize, rms_v, parameters.actuator.limit_v, seed))
+/// What the simulated rig's sensors read under these voltages.
+fn driven(parameters: &RigParameters, voltage_v: &[f64], seed: u64) -> Result<Signals, Box<dyn std::error::Error>> {
+    // The sensors' noise must not be the excitation once more: another seed, as far from this one as can be.
+    let mut rig = SimulatedRig::new(parameters, !seed)?;
+    Ok(open_loop(&mut rig, voltage_v)?)
 }
 
 /// A day at 1 kHz; beyond it the CSV file fills memory.
 pub(crate) const MOST_SAMPLES: f64 = 1e8;
 
-fn answer(arguments: &cli::Record, signals: &Signals, bytes: &[u8]) {
+fn answer(arguments: &cli::Record, recorded: Recorded) {
+    let Recorded { signals, bytes, planned, expected } = recorded;
     let file = arguments.out.display().to_string();
     if arguments.json {
         let voltage_v = signals.data.row(0);
@@ -137,23 +141,32 @@ fn answer(arguments: &cli::Record, signals: &Signals, bytes: &[u8]) {
             "{}",
             json_text(&RecordResult {
                 file,
-                sha256: sha256_hex(bytes),
+                sha256: sha256_hex(&bytes),
                 columns: signals.names.clone(),
                 samples: signals.samples(),
                 period_s: signals.period_s,
                 rms_v: voltage_v.norm() / (signals.samples() as f64).sqrt(),
                 seed: arguments.seed,
+                excitation: planned,
+                expected,
             })
         );
         return;
     }
+    let periods = match planned.period_samples {
+        Some(samples) => format!(", {} periods of {samples} samples, ", planned.periods),
+        None => ", ".into(),
+    };
     let length_s = signals.samples() as f64 * signals.period_s;
     println!(
-        "{file}: {} samples of {} ({} s), columns {}; seed {}",
+        "{file}: {} samples of {} ({} s), columns {}; {}{}{} V rms; seed {}",
         signals.samples(),
         flexbeam_report::engineering(signals.period_s, 4, "s"),
         significant(length_s, 4),
         signals.names.join(", "),
+        arguments.signal.name(),
+        periods,
+        significant(planned.rms_v, 3),
         arguments.seed
     );
     // Twenty block rows of 1 ms see too little of a swing at 4 Hz once there is friction and noise.

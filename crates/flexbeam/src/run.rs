@@ -215,6 +215,7 @@ impl Plan {
             port: self.port.to_string(),
             provenance: provenance(&parents, &arguments.out)?,
             controller: Some(flexbeam_files::read_bytes(&arguments.controller)?),
+            excitation: None,
         })
     }
 }

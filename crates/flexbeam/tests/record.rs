@@ -148,3 +148,80 @@ fn the_settings_are_written_into_a_controller() {
     }
     assert_eq!(bench.json("rig test --apply-to controller.toml")["law"], "switched", "the controller's own law");
 }
+
+/// The voltage repeats, its note says how, and so does what the note's reader gets.
+#[test]
+fn the_excitation_is_what_was_asked_for_and_stands_in_the_note() {
+    let bench = Bench::new();
+    let line = "record --signal odd-multisine --band 0.5,50 --periods 4 --duration 8 --rms 2 --seed 3";
+    let answer = bench.json(line);
+    let planned = &answer["excitation"];
+    assert_eq!((planned["signal"].as_str(), number(planned, "period_samples")), (Some("odd-multisine"), 2000.0));
+    assert_eq!((number(planned, "periods"), &planned["band_hz"]), (4.0, &serde_json::json!([0.5, 50.0])));
+    let csv = bench.read("recording.csv");
+    let voltage = column(&csv, "voltage_v");
+    assert_eq!(voltage.len(), 8000);
+    assert!(voltage.chunks(2000).all(|period| period == &voltage[..2000]));
+    let peak = voltage.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    assert!((peak - number(planned, "peak_v")).abs() < 1e-12 && (number(planned, "rms_v") - 2.0).abs() < 1e-12);
+    let sha256 = answer["sha256"].as_str().unwrap();
+    let read = flexbeam_files::Excitation::of_recording(&bench.path("recording.csv"), sha256).expect("the note says");
+    assert_eq!(serde_json::to_value(&read).unwrap(), *planned);
+    assert_eq!(flexbeam_files::Excitation::of_recording(&bench.path("recording.csv"), "another"), None);
+}
+
+/// On the clock the list of voltages is the same one, and the run's own metadata hold the plan.
+#[test]
+fn a_run_on_the_clock_has_the_same_voltages_and_the_plan_in_its_metadata() {
+    let bench = Bench::new();
+    let plan = "--signal prbs --band 5,40 --duration 0.3 --period 0.002 --rms 2";
+    let planned = bench.json(&format!("record {plan} -o table.csv"))["excitation"].clone();
+    bench.done(&format!("record {plan} --hold 5 -o run.mcap"));
+    let bytes = std::fs::read(bench.path("run.mcap")).unwrap();
+    let sha256 = flexbeam_files::sha256_hex(&bytes);
+    let read = flexbeam_files::Excitation::of_recording(&bench.path("run.mcap"), &sha256).expect("the metadata say");
+    assert_eq!(serde_json::to_value(&read).unwrap(), planned);
+    bench.done("export run.mcap --as csv -o run.csv");
+    let (table, run) = (bench.read("table.csv"), bench.read("run.csv"));
+    let (sent, came) = (column(&table, "voltage_v"), column(&run, "voltage_v"));
+    assert!(came.windows(sent.len()).any(|window| window == sent), "the run holds the planned voltages");
+}
+
+/// Before the rig moves: the figures do not depend on what it then does, and twice the voltage halves them.
+#[test]
+fn the_expected_standard_errors_are_said_before_the_rig_moves() {
+    let bench = Bench::new();
+    let weak = bench.run("record --duration 2 --rms 1 --json");
+    let strong = bench.json("record --duration 2 --rms 2 -o strong.csv");
+    assert!(weak.err.contains("expected of the whole recording"), "{}", weak.err);
+    let weak: serde_json::Value = serde_json::from_str(&weak.out).unwrap();
+    for (key, value) in [("k1", 1060.8), ("k2", 1465.2), ("c", 57.7), ("b", 107.39)] {
+        assert!((number(&weak["expected"], key) / value - 1.0).abs() < 1e-12);
+        let std = format!("{key}_std");
+        let (weak, strong) = (number(&weak["expected"], &std), number(&strong["expected"], &std));
+        assert!((weak / strong - 2.0).abs() < 1e-9 && weak > 0.0 && weak < 0.1 * value, "{key}: {weak} {strong}");
+    }
+    assert!(bench.json("record --linear --duration 1 -o clean.csv")["expected"].is_null(), "no noise, no errors");
+}
+
+#[test]
+fn excitations_that_cannot_be_made_are_refused_and_nothing_is_written() {
+    let bench = Bench::new();
+    let refused = [
+        ("--band 10", "a band of 1 numbers"),
+        ("--signal multisine --band 10,600", "600"),
+        ("--signal multisine --band 50,10", "10, needed above the lower one"),
+        ("--band=-1,10", "is -1, needed 0 or more"),
+        ("--peak 11", "a peak of 11 V"),
+        ("--peak nan", "a peak of NaN V"),
+        ("--periods 0", "is 0, needed at least 8"),
+        ("--signal prbs --periods 5000", "is 2, needed at least 8"),
+        ("--signal odd-multisine --band 1.01,1.05 --duration 2", "excited harmonics in the band is 0"),
+    ];
+    for (options, words) in refused {
+        let answer = bench.run(&format!("record {options}"));
+        assert_eq!(answer.status, 2, "{options}: {}", answer.err);
+        assert!(answer.err.contains(words) && answer.err.contains("hint: "), "{options}: {}", answer.err);
+    }
+    assert!(bench.names().is_empty());
+}

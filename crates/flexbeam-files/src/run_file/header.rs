@@ -2,6 +2,7 @@
 
 use super::records::{Part, Parts};
 use crate::csv::instant;
+use crate::excitation::Excitation;
 use crate::fault::Fault;
 use crate::hash::sha256_hex;
 use crate::provenance::Provenance;
@@ -31,6 +32,8 @@ pub struct RunHeader {
     pub provenance: Provenance,
     /// The controller file's bytes; nothing where the voltages were a list, as in a recording for identification.
     pub controller: Option<Vec<u8>>,
+    /// The list of voltages as it was planned, where the run was a recording for identification.
+    pub excitation: Option<Excitation>,
 }
 
 impl RunHeader {
@@ -51,6 +54,7 @@ impl RunHeader {
         let optional = [
             ("command", self.provenance.command.clone()),
             ("time", self.provenance.time.clone()),
+            ("excitation", self.excitation.as_ref().map(Excitation::to_text)),
             ("controller_sha256", self.controller.as_deref().map(sha256_hex)),
         ];
         let optional = optional.into_iter().filter_map(|(key, text)| Some((key, text?)));
@@ -85,6 +89,7 @@ impl RunHeader {
             port: text("port")?,
             provenance: provenance(metadata).ok_or_else(|| Fault::MissingKey { key: "parents".into() })?,
             controller: None,
+            excitation: metadata.get("excitation").map(|text| Excitation::of_text(text)).transpose()?,
         })
     }
 }
@@ -118,6 +123,12 @@ impl RunOrigin {
         let metadata = metadata(&Parts::of(bytes)?.parts)?;
         Some(RunOrigin { schema: metadata.get("schema")?.clone(), provenance: provenance(&metadata) })
     }
+}
+
+/// The excitation that a run's metadata hold; nothing when the bytes are no run or do not say.
+pub(crate) fn excitation_of_run(bytes: &[u8]) -> Option<Excitation> {
+    let metadata = metadata(&Parts::of(bytes)?.parts)?;
+    Excitation::of_text(metadata.get("excitation")?).ok()
 }
 
 /// The record `flexbeam`, where there is one.

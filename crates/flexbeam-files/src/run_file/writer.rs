@@ -217,6 +217,7 @@ mod tests {
             port: "sim".into(),
             provenance: Provenance { tool: "flexbeam test".into(), ..Provenance::default() },
             controller: Some(b"order = 4\n".to_vec()),
+            excitation: None,
         }
     }
 

@@ -22,6 +22,7 @@ pub fn header(period_s: f64) -> RunHeader {
         port: "simulated".into(),
         provenance: Default::default(),
         controller: None,
+        excitation: None,
     }
 }
 

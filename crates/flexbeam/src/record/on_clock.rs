@@ -2,13 +2,12 @@
 
 use std::cell::Cell;
 
-use flexbeam_files::{Overwrite, RunFile, RunHeader, json_text};
+use flexbeam_files::{Excitation, Overwrite, RunFile, RunHeader, json_text};
 use flexbeam_lti::Signals;
 use flexbeam_rig::RigParameters;
 use flexbeam_runtime::port::Port;
 use flexbeam_runtime::{Cause, FrozenLimit, Outcome, RunContext, RunSink, Sample, Sink, run_result};
 
-use super::excitation;
 use crate::on_rig::{RigAt, drive_rig, signals_of, whole, whole_in_memory};
 use crate::output::provenance;
 use crate::port::now_unix_ns;
@@ -34,6 +33,8 @@ pub struct Recording<'a> {
     pub arguments: &'a cli::Record,
     pub port: &'a Port,
     pub parameters: &'a RigParameters,
+    /// One voltage a period [V].
+    pub voltage_v: &'a [f64],
 }
 
 impl Recording<'_> {
@@ -55,14 +56,14 @@ impl Recording<'_> {
     /// As a run recording; it is kept when the rig faults, too.
     ///
     /// Errors: a rig that faulted, a file that cannot be written.
-    pub fn as_run(&self) -> Result<(), Failure> {
+    pub fn as_run(&self, planned: Excitation) -> Result<(), Failure> {
         let out = &self.arguments.out;
         let overwrite = if self.arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
         RunFile::check_free(out, overwrite)?;
         let context = RunContext { port: self.port.to_string(), period_s: self.parameters.period_s };
         let begun = Cell::new(false);
         let sink = || -> Result<Vec<Box<dyn Sink>>, Failure> {
-            let file = RunFile::create(out, overwrite, &self.header()?)?;
+            let file = RunFile::create(out, overwrite, &self.header(planned)?)?;
             begun.set(true);
             Ok(vec![Box::new(RunSink::new(file, out, context.clone()))])
         };
@@ -89,7 +90,7 @@ impl Recording<'_> {
         whole(&outcome.recorded, out, result.unrecorded)
     }
 
-    fn header(&self) -> Result<RunHeader, Failure> {
+    fn header(&self, planned: Excitation) -> Result<RunHeader, Failure> {
         let parents: Vec<_> = self.arguments.rig.iter().map(|path| path.as_path()).collect();
         Ok(RunHeader {
             period_s: self.parameters.period_s,
@@ -97,6 +98,7 @@ impl Recording<'_> {
             port: self.port.to_string(),
             provenance: provenance(&parents, &self.arguments.out)?,
             controller: None,
+            excitation: Some(planned),
         })
     }
 
@@ -104,9 +106,7 @@ impl Recording<'_> {
         &self,
         sinks: impl FnOnce() -> Result<Vec<Box<dyn Sink>>, Failure>,
     ) -> Result<(Outcome, Vec<Sample>), Failure> {
-        let Recording { arguments, port, parameters } = self;
-        let voltages_v = excitation(parameters, arguments.duration, arguments.rms, arguments.seed)
-            .map_err(|error| Failure::Input { tried: format!("record {}", arguments.out.display()), error })?;
+        let Recording { arguments, port, parameters, voltage_v } = self;
         let rig = RigAt {
             port,
             link: &arguments.link,
@@ -114,7 +114,7 @@ impl Recording<'_> {
             seed: !arguments.seed,
             frozen: FrozenLimit::default(),
         };
-        drive_rig(&rig, parameters.period_s, &voltages_v, sinks)
+        drive_rig(&rig, parameters.period_s, voltage_v, sinks)
     }
 }
 

@@ -65,6 +65,7 @@ pub fn write_run(path: &Path, period_s: f64, samples: &[RunSample], parents: &[&
             parents: parents.iter().map(|parent| Parent::of(parent, path).expect("a parent")).collect(),
         },
         controller: parents.first().map(|path| std::fs::read(path).expect("a controller")),
+        excitation: None,
     };
     let mut file = RunFile::create(path, Overwrite::SameKind, &header).expect("a free name");
     let event = |tick: u64, kind: &str, text: &str| RunEvent {

@@ -1,0 +1,102 @@
+//! The full model: the smallest that leaves nothing in the recording that the input explains.
+
+use flexbeam_lti::simulation::simulate;
+use flexbeam_lti::{Mat, Signals};
+
+use crate::spectrum::{Measured, Segments, circular_quantile, h1};
+use crate::{Error, Identified, Options, Order, identify};
+
+/// Orders that are tried, from the nominal plant's on: lightly damped modes come in pairs of states.
+const ORDERS: [usize; 6] = [4, 6, 8, 10, 12, 14];
+
+/// A recording contradicts its model when chance alone would show as much with less than this probability.
+const CONTRADICTION: f64 = 0.01;
+
+/// A model of the whole recording, and whether anything is left.
+pub struct Full {
+    /// Model, estimated from all samples.
+    pub identified: Identified,
+    /// Response of what the model leaves to the input: nothing but noise unless `contradicted`.
+    pub left: Measured,
+    /// Whether some of what is left answers to the input beyond chance: no order that was tried is enough.
+    pub contradicted: bool,
+}
+
+/// The model of smallest order that the recording does not contradict; of those tried the one that leaves least, where it
+/// contradicts all.
+///
+/// The residuals y - y_model are tested against the input at every frequency and output: with K independent pieces and m inputs
+/// their multiple coherence exceeds g by chance with probability (1 - g)^(K - 1) for one input, and the smallest of all
+/// these probabilities is compared with 1 % over their number (Bonferroni).
+///
+/// Assumes: one input, and an open loop.
+/// Errors: those of [`identify`] when no order succeeds, and of [`h1`].
+/// Source: Ljung 1999, section 16.6 (residual tests); Bendat and Piersol 2010, section 9.2.
+pub fn full(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<Full, Error> {
+    let mut best: Option<(f64, Full)> = None;
+    let mut refused = None;
+    for order in ORDERS {
+        let all = Options { order: Order::Fixed(order), estimate: 1.0, ..options.clone() };
+        let identified = match identify(inputs, outputs, &all) {
+            Ok(identified) if identified.continuous.is_ok() => identified,
+            Ok(Identified { continuous: Err(why), .. }) => {
+                refused.get_or_insert(Error::Linear(why));
+                continue;
+            }
+            Err(why) => {
+                refused.get_or_insert(why);
+                continue;
+            }
+            Ok(_) => unreachable!("a continuous model is there or is not"),
+        };
+        let left = left(inputs, outputs, &identified)?;
+        let chance = chance(&left, inputs.samples());
+        let contradicted = chance < CONTRADICTION;
+        let found = Full { identified, left, contradicted };
+        if !contradicted {
+            return Ok(found);
+        }
+        if best.as_ref().is_none_or(|(most, _)| chance > *most) {
+            best = Some((chance, found));
+        }
+    }
+    best.map(|(_, found)| found).ok_or_else(|| refused.expect("an order was tried"))
+}
+
+/// Response of the residuals to the inputs.
+fn left(inputs: &Signals, outputs: &Signals, identified: &Identified) -> Result<Measured, Error> {
+    let less = |data: &Mat, means: &[f64]| Mat::from_fn(data.nrows(), data.ncols(), |r, t| data[(r, t)] - means[r]);
+    let U = less(&inputs.data, &identified.input_means);
+    let answer = simulate(&identified.model, &U, &identified.initial_state)?;
+    let data = less(&outputs.data, &identified.output_means) - answer;
+    h1(inputs, &Signals { data, ..outputs.clone() }, Segments::of_record(inputs.samples()))
+}
+
+/// How likely chance alone shows a coherence as large as the largest.
+fn chance(left: &Measured, samples: usize) -> f64 {
+    let coherence = left.coherence.as_deref().unwrap_or(&[]);
+    let free = Segments::of_record(samples).independent(samples) - 1.0;
+    let all = coherence.iter().flatten();
+    let count = all.clone().count() as f64;
+    let largest = all.fold(0.0_f64, |most, g| most.max(*g));
+    count * (1.0 - largest).powf(free)
+}
+
+/// What the model leaves of one output (a sum of rows), as measured on s = jw: |left| plus 95 %, at any frequency.
+///
+/// Between two frequencies the larger one holds, and beyond the ends the end's.
+pub fn unexplained(left: &Measured, rows: &[usize]) -> impl Fn(f64) -> f64 + use<> {
+    let quantile = circular_quantile(0.95);
+    let at = |k: usize| {
+        let G: flexbeam_lti::C64 = rows.iter().map(|r| left.G[k][(*r, 0)]).sum();
+        let std: f64 = rows.iter().map(|r| left.std[k][(*r, 0)]).sum();
+        G.norm() + quantile * std
+    };
+    let values: Vec<f64> = (0..left.G.len()).map(at).collect();
+    let omega = left.omega_rad_s.clone();
+    move |w: f64| {
+        let k = omega.partition_point(|at| *at < w);
+        let (before, after) = (k.saturating_sub(1), k.min(values.len() - 1));
+        values[before.min(values.len() - 1)].max(values[after])
+    }
+}
