@@ -2,6 +2,7 @@
 
 use flexbeam_lti::{Mat, Signals, StateSpace, Time, Vector, sampling};
 
+use crate::correlation::{Channels, NotFinite, Record};
 use crate::hankel::factor::{Factor, samples_needed};
 use crate::output_map::input_matrices;
 use crate::projection::{Directions, directions};
@@ -130,12 +131,15 @@ pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Resul
     let (U, Y) = (inputs.data.transpose(), outputs.data.transpose());
     let s = estimation_samples(U.nrows(), options)?;
     expect_samples("estimation", s, samples_needed(i, m, l), i)?;
-    let input_scaling = Scaling::of(&U.rows(0, s).into_owned(), options.remove_mean);
-    let output_scaling = Scaling::of(&Y.rows(0, s).into_owned(), options.remove_mean);
+    let estimating = Channels::of_rows(&inputs.data).beside(Channels::of_rows(&outputs.data)).part(0..s);
+    let mut record = Record::new(m + l, i);
+    record.absorb(&estimating, 1).map_err(|bad| not_finite(inputs, outputs, bad))?;
+    let (scaling, gram) = Scaling::of(record.finish(), options.remove_mean);
+    let (input_scaling, output_scaling) = (scaling.part(0..m), scaling.part(m..m + l));
     let (U, Y) = (input_scaling.apply(&U), output_scaling.apply(&Y));
     let (U_e, Y_e) = (U.rows(0, s).into_owned(), Y.rows(0, s).into_owned());
 
-    let factor = Factor::new(&U_e, &Y_e, i, options.constant_row)?; // (8), (9)
+    let factor = Factor::of_gram(&gram, m, &scaling.scale, options.constant_row); // (8), (9)
     factor.expect_exciting()?;
     let directions = directions(&factor, options.method.weighting()); // (13), (14)
     let n = chosen_order(&factor, &directions, options)?;
@@ -251,6 +255,13 @@ fn check(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<(), E
         return setting("estimate", options.estimate, "more than 0 and at most 1");
     }
     Ok(())
+}
+
+fn not_finite(inputs: &Signals, outputs: &Signals, bad: NotFinite) -> Error {
+    let m = inputs.channels();
+    let (signals, row) = if bad.channel < m { (inputs, bad.channel) } else { (outputs, bad.channel - m) };
+    let value = signals.data[(row, bad.sample)];
+    Error::NotFinite { channel: signals.names[row].clone(), sample: bad.sample, value }
 }
 
 fn expect_finite(signals: &Signals) -> Result<(), Error> {

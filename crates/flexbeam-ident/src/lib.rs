@@ -31,6 +31,8 @@
 //! ```
 
 pub mod breakaway;
+mod correlation;
+mod double;
 mod error;
 pub mod excitation;
 mod hankel;
