@@ -3,8 +3,6 @@
 //! Enters: recorded channels. Leaves: channels of unit rms. Deliberately absent: filters and resampling, which change
 //! the model and therefore belong to the person.
 
-use flexbeam_lti::Mat;
-
 use crate::correlation::Gram;
 use crate::double::Double;
 
@@ -36,10 +34,5 @@ impl Scaling {
     /// The part for these channels.
     pub fn part(&self, channels: std::ops::Range<usize>) -> Scaling {
         Scaling { mean: self.mean[channels.clone()].to_vec(), scale: self.scale[channels].to_vec() }
-    }
-
-    /// (data - mean) / scale, samples x channels.
-    pub fn apply(&self, data: &Mat) -> Mat {
-        Mat::from_fn(data.nrows(), data.ncols(), |k, c| (data[(k, c)] - self.mean[c]) / self.scale[c])
     }
 }
