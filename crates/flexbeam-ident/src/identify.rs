@@ -2,9 +2,10 @@
 
 use flexbeam_lti::{Mat, Signals, StateSpace, Time, Vector, sampling};
 
+use crate::correlation::{Channels, NotFinite, Record};
 use crate::hankel::factor::{Factor, samples_needed};
-use crate::output_map::input_matrices;
 use crate::projection::{Directions, directions};
+use crate::samples::{Fitted, Samples};
 use crate::scaling::Scaling;
 use crate::validate::validate;
 use crate::{Error, order, subspace};
@@ -127,28 +128,25 @@ pub struct Identified {
 pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<Identified, Error> {
     check(inputs, outputs, options)?;
     let (m, l, i) = (inputs.channels(), outputs.channels(), options.block_rows);
-    let (U, Y) = (inputs.data.transpose(), outputs.data.transpose());
-    let s = estimation_samples(U.nrows(), options)?;
+    let s = estimation_samples(inputs.samples(), options)?;
     expect_samples("estimation", s, samples_needed(i, m, l), i)?;
-    let input_scaling = Scaling::of(&U.rows(0, s).into_owned(), options.remove_mean);
-    let output_scaling = Scaling::of(&Y.rows(0, s).into_owned(), options.remove_mean);
-    let (U, Y) = (input_scaling.apply(&U), output_scaling.apply(&Y));
-    let (U_e, Y_e) = (U.rows(0, s).into_owned(), Y.rows(0, s).into_owned());
+    let all = Channels::of_rows(&inputs.data).beside(Channels::of_rows(&outputs.data));
+    let mut record = Record::new(m + l, i);
+    record.absorb(&all.part(0..s), 1).map_err(|bad| not_finite(inputs, outputs, bad))?;
+    let (scaling, gram) = Scaling::of(record.finish(), options.remove_mean);
+    let samples = |range| Samples { channels: all.part(range), scaling: &scaling, m };
 
-    let factor = Factor::new(&U_e, &Y_e, i, options.constant_row)?; // (8), (9)
+    let factor = Factor::of_gram(&gram, m, &scaling.scale, options.constant_row); // (8), (9)
     factor.expect_exciting()?;
     let directions = directions(&factor, options.method.weighting()); // (13), (14)
     let n = chosen_order(&factor, &directions, options)?;
     let gamma = subspace::gamma(&directions, n); // (15)
     let time = Time::Sampled { period_s: inputs.period_s };
-    let (scaled, initial_state) = system(&factor, &gamma, options.method, &U_e, &Y_e, time)?; // (16), (17)
-
-    let fits = |first: usize, count: usize| -> Result<Vec<f64>, Error> {
-        let (U, Y) = (U.rows(first, count).transpose(), Y.rows(first, count).transpose());
-        Ok(validate(&scaled, &U, &Y)?.fit_percent)
-    };
-    let estimation_fit_percent = fits(0, s)?;
-    let fit_percent = if s < U.nrows() { Some(fits(s, U.nrows() - s)?) } else { None };
+    let (scaled, initial_state, estimation_fit_percent) =
+        system(&factor, &gamma, options.method, &samples(0..s), time)?; // (16), (17)
+    let rest = s..all.samples();
+    let fit_percent = if rest.is_empty() { None } else { Some(samples(rest).fit_percent(&scaled)?) };
+    let (input_scaling, output_scaling) = (scaling.part(0..m), scaling.part(m..m + l));
     let model = unscaled(&scaled, &input_scaling, &output_scaling)?;
     Ok(Identified {
         continuous: sampling::inverse_zoh(&model),
@@ -169,19 +167,19 @@ fn system(
     factor: &Factor,
     gamma: &Mat,
     method: Method,
-    U: &Mat,
-    Y: &Mat,
+    samples: &Samples,
     time: Time,
-) -> Result<(StateSpace, Vector), Error> {
+) -> Result<(StateSpace, Vector, Vec<f64>), Error> {
     if method == Method::Paper {
         let [A, B, C, D] = subspace::state_sequences(factor, gamma).ok_or(Error::NoState)?;
         let model = StateSpace::new(A, B, C, D, time)?;
-        let initial_state = validate(&model, &U.transpose(), &Y.transpose())?.initial_state;
-        return Ok((model, initial_state));
+        let (U, Y) = samples.matrices();
+        let validation = validate(&model, &U.transpose(), &Y.transpose())?;
+        return Ok((model, validation.initial_state, validation.fit_percent));
     }
     let (A, C) = subspace::shift(gamma, factor.l).ok_or(Error::NoState)?;
-    let found = input_matrices(&A, &C, U, Y);
-    Ok((StateSpace::new(A, found.B, C, found.D, time)?, found.initial_state))
+    let Fitted { found, fit_percent } = samples.input_matrices(&A, &C)?;
+    Ok((StateSpace::new(A, found.B, C, found.D, time)?, found.initial_state, fit_percent))
 }
 
 /// The model between the channels as recorded: B / u, y C, y D / u with the channels' scales.
@@ -256,6 +254,13 @@ pub(crate) fn expect_together(inputs: &Signals, outputs: &Signals) -> Result<(),
     }
     expect_finite(inputs)?;
     expect_finite(outputs)
+}
+
+fn not_finite(inputs: &Signals, outputs: &Signals, bad: NotFinite) -> Error {
+    let m = inputs.channels();
+    let (signals, row) = if bad.channel < m { (inputs, bad.channel) } else { (outputs, bad.channel - m) };
+    let value = signals.data[(row, bad.sample)];
+    Error::NotFinite { channel: signals.names[row].clone(), sample: bad.sample, value }
 }
 
 fn expect_finite(signals: &Signals) -> Result<(), Error> {

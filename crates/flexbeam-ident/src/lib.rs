@@ -32,15 +32,19 @@
 
 pub mod bound;
 pub mod breakaway;
+mod correlation;
+mod double;
 mod error;
 pub mod excitation;
 mod fourier;
 mod hankel;
 pub mod identify;
+mod modal;
 mod order;
 mod output_map;
 pub mod physical;
 mod projection;
+mod samples;
 mod scaling;
 mod singular;
 pub mod spectrum;

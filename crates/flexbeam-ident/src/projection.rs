@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn oblique_projections_are_the_printed_ones() {
         let (U, Y) = noise(SAMPLES);
-        let factor = Factor::new(&U, &Y, I, false).unwrap();
+        let factor = Factor::new(&U, &Y, I, false);
         let rows = [factor.inputs(I..2 * I), factor.inputs(0..I), factor.outputs(0..2 * I)].concat();
         let H = stacked(&[hankel(&U, 0..2 * I, J), hankel(&Y, 0..2 * I, J)]);
         // Order of H's rows here: inputs 0..2i, outputs 0..2i. L's: as `rows` says.
@@ -119,7 +119,7 @@ mod tests {
     #[test]
     fn weighted_singular_values_are_those_of_the_printed_matrices() {
         let (U, Y) = noise(SAMPLES);
-        let factor = Factor::new(&U, &Y, I, false).unwrap();
+        let factor = Factor::new(&U, &Y, I, false);
         let U_f = hankel(&U, I..2 * I, J);
         let O = printed(&U, &Y, I);
         let orthogonal = without(&O, &U_f);

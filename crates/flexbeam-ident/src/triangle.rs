@@ -235,6 +235,95 @@ fn lanes(column: &[f64], k: usize) -> [f64; LANES] {
     *column[k..].first_chunk().expect("k + LANES <= rows")
 }
 
+/// Products of all pairs of columns that are `alive`: entry c n + r for c <= r; the others are left as they are.
+pub(crate) fn gram_of_columns(columns: &[f64], rows: usize, alive: &[bool], found: &mut [f64]) {
+    let n = alive.len();
+    for c in (0..n).filter(|c| alive[*c]) {
+        let column = &columns[c * rows..(c + 1) * rows];
+        products_with(&columns[c * rows..], rows, &alive[c..], column, &mut found[c * n + c..(c + 1) * n]);
+    }
+}
+
+/// Products of `column` with the columns that are `alive`; the others are left as they are.
+pub(crate) fn products_with(columns: &[f64], rows: usize, alive: &[bool], column: &[f64], found: &mut [f64]) {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx512f") {
+        // SAFETY: the feature was found on this processor in the line above.
+        unsafe { products_avx512(columns, rows, alive, column, found) };
+        return;
+    } else if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+        // SAFETY: the two features were found on this processor in the line above.
+        unsafe { products_avx2(columns, rows, alive, column, found) };
+        return;
+    }
+    all_products::<false>(columns, rows, alive, column, found);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f")]
+fn products_avx512(columns: &[f64], rows: usize, alive: &[bool], column: &[f64], found: &mut [f64]) {
+    all_products::<true>(columns, rows, alive, column, found);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn products_avx2(columns: &[f64], rows: usize, alive: &[bool], column: &[f64], found: &mut [f64]) {
+    all_products::<true>(columns, rows, alive, column, found);
+}
+
+#[inline(always)]
+fn all_products<const FUSED: bool>(columns: &[f64], rows: usize, alive: &[bool], column: &[f64], found: &mut [f64]) {
+    let mut c = 0;
+    while c < alive.len() {
+        if c + TILE <= alive.len() && alive[c] && alive[c + 1] && alive[c + 2] && alive[c + 3] {
+            let sums = products::<FUSED, TILE>(tile_of(&columns[c * rows..], rows), column);
+            found[c..c + TILE].copy_from_slice(&sums);
+            c += TILE;
+        } else {
+            if alive[c] {
+                found[c] = products::<FUSED, 1>([&columns[c * rows..(c + 1) * rows]], column)[0];
+            }
+            c += 1;
+        }
+    }
+}
+
+/// column -= the sum of weight times column over those that are `alive`.
+pub(crate) fn take_away(columns: &[f64], rows: usize, alive: &[bool], weights: &[f64], column: &mut [f64]) {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx512f") {
+        // SAFETY: the feature was found on this processor in the line above.
+        unsafe { take_away_avx512(columns, rows, alive, weights, column) };
+        return;
+    } else if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+        // SAFETY: the two features were found on this processor in the line above.
+        unsafe { take_away_avx2(columns, rows, alive, weights, column) };
+        return;
+    }
+    take_all::<false>(columns, rows, alive, weights, column);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f")]
+fn take_away_avx512(columns: &[f64], rows: usize, alive: &[bool], weights: &[f64], column: &mut [f64]) {
+    take_all::<true>(columns, rows, alive, weights, column);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn take_away_avx2(columns: &[f64], rows: usize, alive: &[bool], weights: &[f64], column: &mut [f64]) {
+    take_all::<true>(columns, rows, alive, weights, column);
+}
+
+#[inline(always)]
+fn take_all<const FUSED: bool>(columns: &[f64], rows: usize, alive: &[bool], weights: &[f64], column: &mut [f64]) {
+    for c in 0..alive.len() {
+        if alive[c] && weights[c] != 0.0 {
+            subtract::<FUSED, 1>([&columns[c * rows..(c + 1) * rows]], [weights[c]], column);
+        }
+    }
+}
+
 /// X that minimises |A X - B| column by column: Householder QR, then one triangular solution.
 ///
 /// Assumes: A has full column rank; who calls knows it.

@@ -5,6 +5,8 @@
 use flexbeam_lti::simulation::simulate;
 use flexbeam_lti::{Mat, StateSpace, Vector};
 
+use crate::correlation::Channels;
+use crate::modal::{Free, Problem};
 use crate::{Error, output_map};
 
 /// A model's answer to a recorded input, started from the initial state that suits the recorded output best.
@@ -32,29 +34,52 @@ impl Validation {
 /// Errors: shapes and time of the simulation ([`flexbeam_lti::Error`]).
 /// Source: the fit of the DaISy comparisons, initial state of the validation by least squares.
 pub fn validate(model: &StateSpace, U: &Mat, Y: &Mat) -> Result<Validation, Error> {
-    let forced = simulate(model, U, &Vector::zeros(model.order()))?;
-    let rest = Y - &forced;
-    if !rest.iter().all(|x| x.is_finite()) {
+    let Some(initial_state) = initial_state(model, U, Y)? else {
+        let forced = simulate(model, U, &Vector::zeros(model.order()))?;
         let overflow = vec![f64::NEG_INFINITY; Y.nrows()];
         return Ok(Validation {
             fit_percent: overflow,
             initial_state: Vector::zeros(model.order()),
             simulated: forced,
         });
-    }
-    let initial_state = output_map::initial_state(&model.A, &model.C, &rest.transpose());
+    };
     let simulated = simulate(model, U, &initial_state)?;
     let fit_percent =
         (0..Y.nrows()).map(|p| fit_percent(&Y.row(p).transpose(), &simulated.row(p).transpose())).collect();
     Ok(Validation { fit_percent, initial_state, simulated })
 }
 
+/// None when the simulation overflows.
+fn initial_state(model: &StateSpace, U: &Mat, Y: &Mat) -> Result<Option<Vector>, Error> {
+    let channels = Channels::of_rows(U).beside(Channels::of_rows(Y));
+    let (count, l) = (channels.count(), Y.nrows());
+    let problem = Problem {
+        A: &model.A,
+        C: &model.C,
+        B: model.B.clone(),
+        D: model.D.clone(),
+        offset: Vector::zeros(l),
+        channels,
+        mean: &vec![0.0; count],
+        scale: &vec![1.0; count],
+    };
+    if let Some(fit) = problem.solve(Free { B: false, D: false, offset: false }) {
+        return Ok(Some(fit.initial_state));
+    }
+    let rest = Y - simulate(model, U, &Vector::zeros(model.order()))?;
+    let finite = rest.iter().all(|x| x.is_finite());
+    Ok(finite.then(|| output_map::initial_state(&model.A, &model.C, &rest.transpose())))
+}
+
+/// 100 (1 - |y - yhat| / |y - mean y|) from the squares of both lengths.
+pub(crate) fn fit_from_squares(missed: f64, moved: f64) -> f64 {
+    let fit = if missed == 0.0 { 100.0 } else { 100.0 * (1.0 - (missed / moved).sqrt()) };
+    if fit.is_nan() { f64::NEG_INFINITY } else { fit }
+}
+
 /// 100 (1 - |y - yhat| / |y - mean y|).
 fn fit_percent(y: &Vector, simulated: &Vector) -> f64 {
-    let missed = (y - simulated).norm();
-    let moved = y.add_scalar(-y.mean()).norm();
-    let fit = if missed == 0.0 { 100.0 } else { 100.0 * (1.0 - missed / moved) };
-    if fit.is_nan() { f64::NEG_INFINITY } else { fit }
+    fit_from_squares((y - simulated).norm_squared(), y.add_scalar(-y.mean()).norm_squared())
 }
 
 #[cfg(test)]

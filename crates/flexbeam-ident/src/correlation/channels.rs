@@ -1,0 +1,128 @@
+//! Samples of several channels in one view, whichever of channel and sample runs faster in memory.
+
+use flexbeam_lti::Mat;
+
+/// Channels of one stretch of samples.
+#[derive(Clone)]
+pub(crate) struct Channels<'a> {
+    /// First sample of the channel on, and how far apart its samples stand.
+    channels: Vec<(&'a [f64], usize)>,
+    samples: usize,
+}
+
+impl<'a> Channels<'a> {
+    /// Rows of `data` are channels.
+    pub fn of_rows(data: &'a Mat) -> Channels<'a> {
+        let (count, samples) = data.shape();
+        Channels { channels: (0..count).map(|c| (data.as_slice().get(c..).unwrap_or(&[]), count)).collect(), samples }
+    }
+
+    /// Columns of `data` are channels.
+    #[cfg(test)]
+    pub fn of_columns(data: &'a Mat) -> Channels<'a> {
+        let s = data.nrows();
+        Channels {
+            channels: (0..data.ncols()).map(|c| (&data.as_slice()[c * s..(c + 1) * s], 1)).collect(),
+            samples: s,
+        }
+    }
+
+    /// These channels and then those of `other`, as many samples as both have.
+    pub fn beside(mut self, other: Channels<'a>) -> Channels<'a> {
+        self.samples = self.samples.min(other.samples);
+        self.channels.extend(other.channels);
+        self
+    }
+
+    /// The samples of this range.
+    pub fn part(&self, range: std::ops::Range<usize>) -> Channels<'a> {
+        assert!(range.end <= self.samples, "a part of {} samples", self.samples);
+        let from = |&(data, stride): &(&'a [f64], usize)| (data.get(range.start * stride..).unwrap_or(&[]), stride);
+        Channels { channels: self.channels.iter().map(from).collect(), samples: range.len() }
+    }
+
+    pub fn count(&self) -> usize {
+        self.channels.len()
+    }
+
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    pub fn at(&self, channel: usize, sample: usize) -> f64 {
+        let (data, stride) = self.channels[channel];
+        data[sample * stride]
+    }
+
+    /// Samples `first..` of one channel, less `offset`, into `target`.
+    pub fn copy(&self, channel: usize, first: usize, offset: f64, target: &mut [f64]) {
+        let (data, stride) = self.channels[channel];
+        assert!(first + target.len() <= self.samples, "{} samples", self.samples);
+        if stride == 1 {
+            let data = &data[first..first + target.len()];
+            target.iter_mut().zip(data).for_each(|(t, x)| *t = x - offset);
+        } else if !target.is_empty() {
+            let data = data[first * stride..].iter().step_by(stride);
+            target.iter_mut().zip(data).for_each(|(t, x)| *t = x - offset);
+        }
+    }
+
+    /// Largest |x - offset| of these samples of one channel; not finite if one of them is not.
+    pub fn largest(&self, channel: usize, range: std::ops::Range<usize>, offset: f64) -> f64 {
+        const LANES: usize = 8;
+        let (data, stride) = self.channels[channel];
+        assert!(range.end <= self.samples, "{} samples", self.samples);
+        let mut largest = [0.0; LANES];
+        // Infinities and NaN leave NaN here; comparisons alone would pass NaN over.
+        let mut poison = [0.0; LANES];
+        let mut take = |lane: usize, x: f64| {
+            let moved: f64 = x - offset;
+            largest[lane] = if moved.abs() > largest[lane] { moved.abs() } else { largest[lane] };
+            poison[lane] += x * 0.0;
+        };
+        if stride == 1 {
+            let (whole, rest) = data[range].as_chunks::<LANES>();
+            whole.iter().for_each(|eight| (0..LANES).for_each(|lane| take(lane, eight[lane])));
+            rest.iter().for_each(|x| take(0, *x));
+        } else if !range.is_empty() {
+            let data = data[range.start * stride..].iter().step_by(stride).take(range.len());
+            data.for_each(|x| take(0, *x));
+        }
+        largest.iter().copied().fold(0.0, f64::max) + poison.iter().sum::<f64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_and_columns_are_one_view() {
+        let tall = Mat::from_fn(23, 3, |k, c| ((k * 7 + c) as f64).sin() - 0.3);
+        let wide = tall.transpose();
+        let (a, b) = (Channels::of_columns(&tall), Channels::of_rows(&wide));
+        let (a, b) = (a.part(2..22), b.part(2..22));
+        for c in 0..3 {
+            let (mut x, mut y) = ([0.0; 11], [0.0; 11]);
+            a.copy(c, 4, 0.5, &mut x);
+            b.copy(c, 4, 0.5, &mut y);
+            assert_eq!(x, y);
+            assert_eq!(x[2], tall[(8, c)] - 0.5);
+            let wanted = tall.column(c).rows(5, 14).iter().map(|x| (x + 0.1).abs()).fold(0.0, f64::max);
+            assert_eq!(a.largest(c, 3..17, -0.1), wanted);
+            assert_eq!(b.largest(c, 3..17, -0.1), wanted);
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_is_not_passed_over() {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for at in [0, 5, 18] {
+                let mut data = Mat::from_element(19, 1, 1.0);
+                data[at] = bad;
+                assert!(!Channels::of_columns(&data).largest(0, 0..19, 0.0).is_finite(), "{bad} at {at}");
+                assert!(!Channels::of_rows(&data.transpose()).largest(0, 0..19, 0.0).is_finite());
+            }
+        }
+    }
+}

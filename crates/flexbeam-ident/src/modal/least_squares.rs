@@ -1,0 +1,371 @@
+//! Least squares of the simulated output on the recorded one, in modal coordinates.
+//!
+//! Enters: A, C, what is known of the rest, a recording. Leaves: the rest, and what it misses. Deliberately absent: one-step prediction.
+
+use flexbeam_lti::{C64, Mat, Vector};
+
+use super::block::{BLOCK, Block, filter};
+use super::modes::Modes;
+use crate::correlation::Channels;
+use crate::double::Double;
+use crate::triangle::{gram_of_columns, products_with, take_away};
+
+/// How far a mode may grow within the record: beyond this, what earlier samples say drowns.
+const LARGEST_GROWTH: f64 = 1e6;
+/// A mode that has faded below this is nothing: it could not move the last bit of anything.
+const FADED: f64 = 1e-40;
+/// Products a sample that the normal matrix may cost; with more columns it comes from every so-many-th block.
+const MOST_PRODUCTS: usize = 800;
+/// Blocks that always count: what fades fades there.
+const FIRST_BLOCKS: usize = 4;
+/// The solution is refined until the next step is below a hundredth of a standard error,
+const STEP: f64 = 1e-4;
+/// or moves the output by less than its own rounding.
+const ROUNDING: f64 = 2.0 * f64::EPSILON;
+/// Each step shrinks by a factor of ten or so; one that needs more than this many is not worth it.
+const MOST_STEPS: usize = 8;
+
+/// What is to be found; the rest is taken as given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Free {
+    pub B: bool,
+    pub D: bool,
+    pub offset: bool,
+}
+
+/// y = C x + D u + offset with x(k+1) = A x(k) + B u(k): A and C are known, x(0) is not. B, D and offset are found or given.
+///
+/// Recorded channels are less `mean` and over `scale`: inputs first, then outputs.
+#[derive(Clone)]
+pub(crate) struct Problem<'a> {
+    pub A: &'a Mat,
+    pub C: &'a Mat,
+    pub B: Mat,
+    pub D: Mat,
+    pub offset: Vector,
+    pub channels: Channels<'a>,
+    pub mean: &'a [f64],
+    pub scale: &'a [f64],
+}
+
+/// The solution, and squares over all samples for each output.
+#[derive(Clone, Debug)]
+pub(crate) struct ModalFit {
+    pub B: Mat,
+    pub D: Mat,
+    pub offset: Vector,
+    pub initial_state: Vector,
+    /// Sum of (y - yhat)^2.
+    pub missed: Vec<f64>,
+    /// Sum of (y - mean of y)^2.
+    pub moved: Vec<f64>,
+}
+
+impl Problem<'_> {
+    /// None when the modes of A are no basis, grow out of the record, or do not determine what is free.
+    ///
+    /// Numerics: every state is a filter of one pole, shared by all outputs; normal equations in f64 are refined by the residual's gradient, so that the
+    /// squared condition slows the iteration down and does not cost digits. Per sample about 8 n m operations to simulate and (n (1 + m) + m + l)^2 / 2, at
+    /// most 800, for the normal matrix. The same bits whenever the processor has a fused multiply-add.
+    /// Source: Bjoerck 1996, section 2.9.3 (fixed-precision refinement of the normal equations).
+    pub fn solve(&self, free: Free) -> Option<ModalFit> {
+        let modes = Modes::of(self.A)?;
+        let samples = self.channels.samples();
+        let growth = modes.poles.iter().map(|z| z.norm()).fold(0.0, f64::max).ln() * samples as f64;
+        if growth > LARGEST_GROWTH.ln() || samples == 0 {
+            return None;
+        }
+        let basis = modes.V.clone().lu();
+        let shape = Shape { n: self.A.nrows(), m: self.D.ncols(), l: self.D.nrows() };
+        let maps: Vec<Mat> = (0..shape.l).map(|p| shape.map(&modes, &(self.C * &modes.V), p)).collect();
+        let mut theta = shape.joined(&basis.solve(&self.B)?, &self.D, &self.offset);
+        let open = shape.open(free);
+        let mut responses = Responses { problem: self, modes: &modes, shape, maps: &maps };
+        let (S, every) = responses.gram();
+        let equations = Equations::new(&S, &maps, &open, shape)?;
+        let square: f64 = (0..shape.l).map(|p| S[(shape.y(p), shape.y(p))]).sum();
+        let exact = every == 1;
+        let means: Vec<f64> =
+            (0..shape.l).map(|p| S[(shape.y(p), shape.ones())] / S[(shape.ones(), shape.ones())]).collect();
+        let gradient = |theta: &Vector| -> Vector {
+            let of = |p: usize, map: &Mat| {
+                map.transpose()
+                    * (S.view((0, shape.y(p)), (shape.x(), 1)) - S.view((0, 0), (shape.x(), shape.x())) * (map * theta))
+            };
+            maps.iter().enumerate().map(|(p, map)| of(p, map).column(0).into_owned()).sum()
+        };
+        theta += equations.step(&gradient(&theta));
+        let tolerance = |missed: f64| {
+            STEP * missed * open.len() as f64 / (samples * shape.l) as f64 + (ROUNDING * ROUNDING) * square
+        };
+        if exact && let Some((missed, moved)) = shape.missed(&S, &maps, &theta) {
+            let rounding = (4.0 * f64::EPSILON * shape.x() as f64).powi(2) * square / equations.weakest;
+            if rounding < STEP * missed.iter().sum::<f64>() * open.len() as f64 / (samples * shape.l) as f64 {
+                return Some(self.fit(&modes, shape, &theta, missed, moved));
+            }
+        }
+        let mut last = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let rest = responses.residual(&theta, &means);
+            let step = equations.step(&rest.gradient);
+            let gain = rest.gradient.dot(&step).max(0.0);
+            theta += step;
+            if gain <= tolerance(rest.missed.iter().sum()) {
+                let total: f64 = rest.missed.iter().sum();
+                let left = if total > 0.0 { (1.0 - gain / total).max(0.0) } else { 1.0 };
+                let missed = rest.missed.iter().map(|x| x * left).collect();
+                return Some(self.fit(&modes, shape, &theta, missed, rest.moved));
+            }
+            if !(gain < 0.25 * last) {
+                return None;
+            }
+            last = gain;
+        }
+        None
+    }
+
+    fn fit(&self, modes: &Modes, shape: Shape, theta: &Vector, missed: Vec<f64>, moved: Vec<f64>) -> ModalFit {
+        let Shape { n, m, l } = shape;
+        let states = &modes.V * Mat::from_column_slice(n, 1 + m, &theta.as_slice()[..n * (1 + m)]);
+        let rest = &theta.as_slice()[n * (1 + m)..];
+        ModalFit {
+            initial_state: states.column(0).into_owned(),
+            B: states.columns(1, m).into_owned(),
+            D: Mat::from_column_slice(l, m, &rest[..l * m]),
+            offset: Vector::from_column_slice(&rest[l * m..]),
+            missed,
+            moved,
+        }
+    }
+}
+
+/// States, inputs, outputs. Columns of a block: n for x(0), n for each input, the inputs, ones, the outputs. Unknowns: x(0), B, D, offsets.
+#[derive(Clone, Copy)]
+struct Shape {
+    n: usize,
+    m: usize,
+    l: usize,
+}
+
+impl Shape {
+    fn u(self, c: usize) -> usize {
+        self.n * (1 + self.m) + c
+    }
+    fn ones(self) -> usize {
+        self.u(self.m)
+    }
+    /// Columns that explain: all but the outputs.
+    fn x(self) -> usize {
+        self.ones() + 1
+    }
+    fn y(self, p: usize) -> usize {
+        self.x() + p
+    }
+    fn columns(self) -> usize {
+        self.y(self.l)
+    }
+    fn unknowns(self) -> usize {
+        self.n * (1 + self.m) + self.l * self.m + self.l
+    }
+
+    /// Coefficients of the columns in output p, one column an unknown.
+    fn map(self, modes: &Modes, C: &Mat, p: usize) -> Mat {
+        let mut map = Mat::zeros(self.x(), self.unknowns());
+        for family in 0..=self.m {
+            let mut k = family * self.n;
+            for z in &modes.poles {
+                let c = C[(p, k % self.n)];
+                map[(k, k)] = c;
+                if z.im > 0.0 {
+                    // The state (b1, b2) of a pair answers with (b1 - j b2) w, its output with c1 Re - c2 Im of that.
+                    let d = C[(p, k % self.n + 1)];
+                    (map[(k + 1, k)], map[(k, k + 1)], map[(k + 1, k + 1)]) = (-d, d, c);
+                    k += 1;
+                }
+                k += 1;
+            }
+        }
+        let first = self.n * (1 + self.m);
+        (0..self.m).for_each(|c| map[(self.u(c), first + c * self.l + p)] = 1.0);
+        map[(self.ones(), first + self.m * self.l + p)] = 1.0;
+        map
+    }
+
+    fn joined(self, B: &Mat, D: &Mat, offset: &Vector) -> Vector {
+        let start = std::iter::repeat_n(0.0, self.n);
+        let all = start.chain(B.iter().copied()).chain(D.iter().copied()).chain(offset.iter().copied());
+        Vector::from_iterator(self.unknowns(), all)
+    }
+
+    /// Unknowns that are free.
+    fn open(self, free: Free) -> Vec<usize> {
+        let ends = [self.n, self.n * (1 + self.m), self.unknowns() - self.l, self.unknowns()];
+        let wanted = [true, free.B, free.D, free.offset];
+        (0..self.unknowns()).filter(|k| wanted[ends.iter().position(|end| k < end).expect("an unknown")]).collect()
+    }
+
+    /// Squares that a solution misses, and that the outputs move, from a Gram matrix of all samples.
+    fn missed(self, S: &Mat, maps: &[Mat], theta: &Vector) -> Option<(Vec<f64>, Vec<f64>)> {
+        let Sxx = S.view((0, 0), (self.x(), self.x()));
+        let each = |p: usize| {
+            let (k, y) = (&maps[p] * theta, self.y(p));
+            let b = S.view((0, y), (self.x(), 1));
+            let missed = S[(y, y)] - 2.0 * b.column(0).dot(&k) + (Sxx * &k).dot(&k);
+            let moved = S[(y, y)] - S[(y, self.ones())].powi(2) / S[(self.ones(), self.ones())];
+            // Both are differences of sums of this size; half of the digits must be left.
+            (missed > 1e-8 * S[(y, y)] && moved > 1e-8 * S[(y, y)]).then_some((missed, moved))
+        };
+        (0..self.l).map(each).collect::<Option<Vec<_>>>().map(|all| all.into_iter().unzip())
+    }
+}
+
+/// Normal equations of the free unknowns.
+struct Equations {
+    open: Vec<usize>,
+    unknowns: usize,
+    lengths: Vec<f64>,
+    cholesky: nalgebra::Cholesky<f64, nalgebra::Dyn>,
+    /// Smallest eigenvalue of the scaled matrix, at most.
+    weakest: f64,
+}
+
+impl Equations {
+    fn new(S: &Mat, maps: &[Mat], open: &[usize], shape: Shape) -> Option<Equations> {
+        let Sxx = S.view((0, 0), (shape.x(), shape.x()));
+        let maps = maps.iter().map(|map| map.select_columns(open));
+        let H: Mat = maps.map(|map| map.transpose() * (Sxx * &map)).sum();
+        let lengths: Vec<f64> = H.diagonal().iter().map(|x| x.sqrt()).collect();
+        if !lengths.iter().all(|x| *x > 0.0 && x.is_finite()) {
+            return None;
+        }
+        let scaled = Mat::from_fn(open.len(), open.len(), |r, c| H[(r, c)] / (lengths[r] * lengths[c]));
+        let cholesky = scaled.cholesky()?;
+        let inverse = cholesky.l().solve_lower_triangular(&Mat::identity(open.len(), open.len()))?;
+        let weakest = inverse.norm_squared().recip();
+        Some(Equations { open: open.to_vec(), unknowns: shape.unknowns(), lengths, cholesky, weakest })
+    }
+
+    /// H^-1 g on the free unknowns.
+    fn step(&self, gradient: &Vector) -> Vector {
+        let g = Vector::from_fn(self.open.len(), |k, _| gradient[self.open[k]] / self.lengths[k]);
+        let x = self.cholesky.solve(&g);
+        let mut step = Vector::zeros(self.unknowns);
+        self.open.iter().enumerate().for_each(|(k, place)| step[*place] = x[k] / self.lengths[k]);
+        step
+    }
+}
+
+/// Passes over the recording.
+struct Responses<'a> {
+    problem: &'a Problem<'a>,
+    modes: &'a Modes,
+    shape: Shape,
+    maps: &'a [Mat],
+}
+
+struct Residual {
+    gradient: Vector,
+    missed: Vec<f64>,
+    moved: Vec<f64>,
+}
+
+impl Responses<'_> {
+    /// Gram matrix of all columns, from every so-many-th block, and how many that is.
+    fn gram(&mut self) -> (Mat, usize) {
+        let q = self.shape.columns();
+        let every = (q * q / 2).div_ceil(MOST_PRODUCTS);
+        let blocks = self.problem.channels.samples().div_ceil(BLOCK);
+        let every = if blocks < 4 * every { 1 } else { every };
+        let mut sums = vec![Double::ZERO; q * q];
+        let mut found = vec![0.0; q * q];
+        self.each_block(|index, block, alive| {
+            let first = index < FIRST_BLOCKS;
+            if !first && index % every != 0 {
+                return;
+            }
+            let weight = if first { 1.0 } else { every as f64 };
+            gram_of_columns(&block.columns, BLOCK, alive, &mut found);
+            for c in (0..q).filter(|c| alive[*c]) {
+                for r in (c..q).filter(|r| alive[*r]) {
+                    sums[c * q + r] += Double::new(found[c * q + r] * weight);
+                }
+            }
+        });
+        (Mat::from_fn(q, q, |r, c| sums[r.min(c) * q + r.max(c)].value()), every)
+    }
+
+    /// What a solution misses, and its gradient.
+    fn residual(&mut self, theta: &Vector, means: &[f64]) -> Residual {
+        let (shape, x) = (self.shape, self.shape.x());
+        let weights: Vec<Vector> = self.maps.iter().map(|map| map * theta).collect();
+        let mut along = vec![vec![Double::ZERO; x]; shape.l];
+        let (mut missed, mut moved) = (vec![Double::ZERO; shape.l], vec![Double::ZERO; shape.l]);
+        let mut rest = vec![0.0; BLOCK];
+        let mut found = vec![0.0; x];
+        self.each_block(|_, block, alive| {
+            for p in 0..shape.l {
+                rest.copy_from_slice(block.column(shape.y(p)));
+                let ones = block.column(shape.ones());
+                let square = |y: (&f64, &f64)| (y.0 - means[p] * y.1).powi(2);
+                moved[p] += Double::new(rest.iter().zip(ones).map(square).sum());
+                take_away(&block.columns, BLOCK, &alive[..x], weights[p].as_slice(), &mut rest);
+                missed[p] += Double::new(rest.iter().map(|e| e * e).sum());
+                products_with(&block.columns, BLOCK, &alive[..x], &rest, &mut found);
+                (0..x).filter(|c| alive[*c]).for_each(|c| along[p][c] += Double::new(found[c]));
+            }
+        });
+        let gradient = self
+            .maps
+            .iter()
+            .zip(&along)
+            .map(|(map, along)| map.transpose() * Vector::from_iterator(x, along.iter().map(|x| x.value())));
+        let values = |sums: Vec<Double>| sums.iter().map(|x| x.value()).collect();
+        Residual { gradient: gradient.sum(), missed: values(missed), moved: values(moved) }
+    }
+
+    /// Shows every block of the record, with the columns that are not zero throughout.
+    fn each_block(&mut self, mut show: impl FnMut(usize, &Block, &[bool])) {
+        let Shape { n, m, l } = self.shape;
+        let (problem, shape) = (self.problem, self.shape);
+        let samples = problem.channels.samples();
+        let mut block = Block::new(shape.columns());
+        let mut alive = vec![true; shape.columns()];
+        let mut states = vec![C64::new(0.0, 0.0); self.modes.poles.len() * (1 + m)];
+        states[..self.modes.poles.len()].fill(C64::new(1.0, 0.0));
+        let mut raw = [0.0; BLOCK];
+        for (index, first) in (0..samples).step_by(BLOCK).enumerate() {
+            let count = BLOCK.min(samples - first);
+            let recorded = (0..m).map(|c| (c, shape.u(c))).chain((0..l).map(|p| (m + p, shape.y(p))));
+            for (channel, column) in recorded {
+                problem.channels.copy(channel, first, problem.mean[channel], &mut raw[..count]);
+                let by = problem.scale[channel];
+                raw[..count].iter_mut().for_each(|x| *x /= by);
+                block.set(column, &raw[..count]);
+            }
+            block.set(shape.ones(), &[1.0; BLOCK][..count]);
+            let (responses, recorded) = block.columns.split_at_mut(n * (1 + m) * BLOCK);
+            let mut column = 0;
+            for (k, state) in states.iter_mut().enumerate() {
+                let z = self.modes.poles[k % self.modes.poles.len()];
+                let family = k / self.modes.poles.len();
+                let width = if z.im > 0.0 { 2 } else { 1 };
+                let (re, im) = responses[column * BLOCK..(column + width) * BLOCK].split_at_mut(BLOCK);
+                let faded = family == 0 && state.norm() < FADED;
+                if faded {
+                    re.fill(0.0);
+                    im.fill(0.0);
+                    *state = C64::new(0.0, 0.0);
+                } else {
+                    let u = (family > 0).then(|| &recorded[(family - 1) * BLOCK..family * BLOCK]);
+                    *state = filter(z, *state, u, re, (width == 2).then_some(im));
+                }
+                alive[column..column + width].fill(!faded);
+                column += width;
+            }
+            if count < BLOCK {
+                block.cut(n * (1 + m), count);
+            }
+            show(index, &block, &alive);
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Recorded inputs and outputs, read where they lie, less their means and over their scales.
+//!
+//! Enters: channels and their scaling. Leaves: B, D and x(0), fits, and copies only where an algorithm works on matrices.
+//! Deliberately absent: A and C, which come from the triangular factor.
+
+use flexbeam_lti::{Mat, StateSpace, Vector};
+
+use crate::Error;
+use crate::correlation::Channels;
+use crate::modal::{Free, ModalFit, Problem};
+use crate::output_map::{InputMatrices, input_matrices};
+use crate::scaling::Scaling;
+use crate::validate::{fit_from_squares, validate};
+
+/// Inputs, then outputs, of one stretch of a recording.
+#[derive(Clone)]
+pub(crate) struct Samples<'a> {
+    pub channels: Channels<'a>,
+    pub scaling: &'a Scaling,
+    /// Inputs m.
+    pub m: usize,
+}
+
+/// What is free, and the fit of each output in percent.
+pub(crate) struct Fitted {
+    pub found: InputMatrices,
+    pub fit_percent: Vec<f64>,
+}
+
+impl Samples<'_> {
+    /// B, D and x(0) by least squares of the simulated output, and the fit.
+    ///
+    /// Errors: those of the simulation.
+    pub fn input_matrices(&self, A: &Mat, C: &Mat) -> Result<Fitted, Error> {
+        let (n, m, l) = (A.nrows(), self.m, C.nrows());
+        let free = Free { B: true, D: true, offset: false };
+        if let Some(fit) = self.problem(A, C, Mat::zeros(n, m), Mat::zeros(l, m)).solve(free) {
+            let fit_percent = percent(&fit);
+            let found = InputMatrices { B: fit.B, D: fit.D, initial_state: fit.initial_state };
+            return Ok(Fitted { found, fit_percent });
+        }
+        let (U, Y) = self.matrices();
+        let found = input_matrices(A, C, &U, &Y);
+        let time = flexbeam_lti::Time::Sampled { period_s: 1.0 };
+        let model = StateSpace::new(A.clone(), found.B.clone(), C.clone(), found.D.clone(), time)?;
+        let fit_percent = validate(&model, &U.transpose(), &Y.transpose())?.fit_percent;
+        Ok(Fitted { found, fit_percent })
+    }
+
+    /// Fit of a model between the scaled channels, its initial state free.
+    ///
+    /// Errors: those of the simulation.
+    pub fn fit_percent(&self, model: &StateSpace) -> Result<Vec<f64>, Error> {
+        let free = Free { B: false, D: false, offset: false };
+        if let Some(fit) = self.problem(&model.A, &model.C, model.B.clone(), model.D.clone()).solve(free) {
+            return Ok(percent(&fit));
+        }
+        let (U, Y) = self.matrices();
+        Ok(validate(model, &U.transpose(), &Y.transpose())?.fit_percent)
+    }
+
+    /// Scaled inputs and outputs, samples x channels.
+    pub fn matrices(&self) -> (Mat, Mat) {
+        let columns = |channels: std::ops::Range<usize>| {
+            let mut data = Mat::zeros(self.channels.samples(), channels.len());
+            for (c, mut column) in channels.zip(data.column_iter_mut()) {
+                self.channels.copy(c, 0, self.scaling.mean[c], column.as_mut_slice());
+                column.unscale_mut(self.scaling.scale[c]);
+            }
+            data
+        };
+        (columns(0..self.m), columns(self.m..self.channels.count()))
+    }
+
+    fn problem<'b>(&'b self, A: &'b Mat, C: &'b Mat, B: Mat, D: Mat) -> Problem<'b> {
+        let offset = Vector::zeros(C.nrows());
+        let Scaling { mean, scale } = self.scaling;
+        Problem { A, C, B, D, offset, channels: self.channels.clone(), mean, scale }
+    }
+}
+
+fn percent(fit: &ModalFit) -> Vec<f64> {
+    fit.missed.iter().zip(&fit.moved).map(|(missed, moved)| fit_from_squares(*missed, *moved)).collect()
+}
