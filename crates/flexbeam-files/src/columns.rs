@@ -10,7 +10,9 @@ const UNITS: &[(&str, &str, f64)] = &[
     ("m_s2", "m_s2", 1.0),
     ("m_s", "m_s", 1.0),
     ("rad", "rad", 1.0),
+    ("mrad", "rad", 1e-3),
     ("deg", "rad", DEGREE),
+    ("rpm", "rad_s", std::f64::consts::TAU / 60.0),
     ("ms", "s", 1e-3),
     ("us", "s", 1e-6),
     ("s", "s", 1.0),
@@ -27,6 +29,26 @@ const UNITS: &[(&str, &str, f64)] = &[
 ];
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
+/// The suffix for a unit as people write it over a column, whatever its case: `rad_s` for `rad/s`, `deg` for `°`. Nothing for what is
+/// no unit known here; the empty text for a dash, which says that there is none.
+pub(crate) fn unit_written(text: &str) -> Option<&'static str> {
+    let plain = text.trim().to_lowercase().replace(['/', '*', '·', ' '], "_").replace(['^'], "").replace('²', "2");
+    let known = |wanted: &str| UNITS.iter().map(|(unit, ..)| *unit).find(|unit| *unit == wanted);
+    known(&plain).or_else(|| match plain.as_str() {
+        "-" => Some(""),
+        "sec" | "second" | "seconds" => known("s"),
+        "msec" | "millisecond" | "milliseconds" => known("ms"),
+        "µs" | "μs" | "usec" | "microsecond" | "microseconds" => known("us"),
+        "volt" | "volts" => known("v"),
+        "°" | "degree" | "degrees" => known("deg"),
+        "°_s" | "degree_s" => known("deg_s"),
+        "radian" | "radians" => known("rad"),
+        "n_m" => known("nm"),
+        "ampere" | "amp" => known("a"),
+        _ => None,
+    })
+}
 
 /// A column's name, taken apart.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,9 +73,9 @@ impl<'a> ColumnName<'a> {
         known.unwrap_or(ColumnName { quantity: name, unit: "", si_unit: "", si_factor: 1.0 })
     }
 
-    /// Whether this is the time axis: `time_s`, `t_ms`, or plainly `time` (in seconds).
+    /// Whether this is the time axis: `time_s`, `t_ms`, or plainly `time` (in seconds); `timestamp`, too.
     pub fn is_time(&self) -> bool {
-        let named = self.quantity.eq_ignore_ascii_case("time") || self.quantity.eq_ignore_ascii_case("t");
+        let named = ["time", "t", "timestamp"].iter().any(|name| self.quantity.eq_ignore_ascii_case(name));
         named && matches!(self.unit, "" | "s" | "ms" | "us")
     }
 }

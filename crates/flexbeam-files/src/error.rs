@@ -4,6 +4,7 @@
 //! Deliberately absent: exit codes and colours (the command line's matter).
 
 use crate::fault::Fault;
+use crate::table::Mark;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -33,7 +34,7 @@ pub enum Tried {
     Save,
 }
 
-/// A file, and a line and column in it where they are known.
+/// A file, and a line, column and byte in it where they are known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// The file.
@@ -42,17 +43,33 @@ pub struct Place {
     pub line: Option<usize>,
     /// Byte in the line, from 1.
     pub column: Option<usize>,
+    /// Byte in the file, from 0: shown from [`FAR`] on, where editors do not go.
+    pub byte: Option<u64>,
 }
+
+/// From this byte on a place is shown with its byte: `tail -c +N` goes there at once.
+pub const FAR: u64 = 1 << 20;
 
 impl Error {
     /// A fault in `file`, line and column not known.
     pub fn new(tried: Tried, file: &Path, fault: Fault) -> Error {
-        Error { tried, place: Place { file: file.to_path_buf(), line: None, column: None }, fault: Box::new(fault) }
+        Error {
+            tried,
+            place: Place { file: file.to_path_buf(), line: None, column: None, byte: None },
+            fault: Box::new(fault),
+        }
     }
 
     /// The same fault, with its line (from 1).
     pub fn at_line(mut self, line: usize) -> Error {
         self.place.line = Some(line);
+        self
+    }
+
+    /// The same fault, with its line and its byte in the file.
+    pub(crate) fn at(mut self, mark: Mark) -> Error {
+        self.place.line = Some(mark.line);
+        self.place.byte = Some(mark.byte);
         self
     }
 
@@ -103,7 +120,10 @@ impl fmt::Display for Place {
         for number in [self.line, self.column].into_iter().flatten() {
             write!(f, ":{number}")?;
         }
-        Ok(())
+        match self.byte {
+            Some(byte) if byte >= FAR => write!(f, " (byte {byte})"),
+            _ => Ok(()),
+        }
     }
 }
 

@@ -3,8 +3,10 @@
 mod words;
 
 use crate::run_file::RunFault;
+use crate::table::TableFault;
 use std::io;
-use words::{counted, schema_hint, six_digits};
+pub(crate) use words::six_digits;
+use words::{counted, schema_hint};
 
 /// What is wrong; every variant carries its numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -218,6 +220,8 @@ pub enum Fault {
         /// The key, with its tables.
         key: String,
     },
+    /// A table whose spelling or clock is wrong.
+    Table(TableFault),
     /// A recording of a run in which something is wrong.
     Run(RunFault),
     /// A file that stands already, with other content.
@@ -281,6 +285,7 @@ impl Fault {
             Fault::Shape { key, found_rows, found_columns, .. } => format!("{key} is {found_rows} x {found_columns}"),
             Fault::Length { key, found, .. } => format!("{key} has {}", counted(*found, "entry", "")),
             Fault::EmptyList { key } => format!("nothing in {key}"),
+            Fault::Table(fault) => fault.found(),
             Fault::Run(fault) => fault.found(),
             Fault::Exists => "a file of that name with other content".into(),
             Fault::IsFolder => "a folder".into(),
@@ -325,6 +330,7 @@ impl Fault {
             Fault::Shape { needed_rows, needed_columns, .. } => format!("{needed_rows} x {needed_columns}"),
             Fault::Length { needed, .. } => needed.to_string(),
             Fault::EmptyList { .. } => "at least one entry".into(),
+            Fault::Table(fault) => fault.needed(),
             Fault::Run(fault) => fault.needed(),
             Fault::Exists => "a name that is free".into(),
             Fault::IsFolder => "a file".into(),
@@ -342,12 +348,15 @@ impl Fault {
             Fault::Empty => "is it the right file?".into(),
             Fault::NotText => "save it again as plain text, UTF-8".into(),
             Fault::NotANumber { text, .. } if text.contains(',') => {
-                "decimal commas are not read: write 0.5, not 0,5".into()
+                "a decimal comma stands between digits, once; signs between thousands are not read".into()
             }
             Fault::NotANumber { .. } | Fault::MissingValue { .. } => {
                 "cut the recording before or after this row; a gap cannot be filled by guessing".into()
             }
             Fault::NotFinite { .. } => "something went wrong where this number was made; make the file again".into(),
+            Fault::Ragged { found, needed } if *found == 2 * needed => {
+                "are these decimal commas? Then save with semicolons between the columns".into()
+            }
             Fault::Ragged { .. } => "complete the row, or remove it if it is the last one".into(),
             Fault::TooFewRows { .. } => "record for longer".into(),
             Fault::NoHeader { .. } => "name them: --columns time,u,y (_ leaves a column out)".into(),
@@ -378,6 +387,7 @@ impl Fault {
                 "A has a row for each state, B a column for each input, C a row for each output; rows are equally long"
                     .into()
             }
+            Fault::Table(fault) => fault.hint(),
             Fault::Run(fault) => fault.hint(),
             Fault::Exists => "choose another name, or allow replacing it with --force".into(),
             Fault::IsFolder => "name a file in it".into(),

@@ -8,6 +8,8 @@
 
 mod archive;
 mod certificate;
+mod chunks;
+mod clock;
 mod columns;
 mod controller;
 mod csv;
@@ -43,18 +45,22 @@ mod source_result;
 mod stiffness;
 mod summary;
 mod system_result;
+mod table;
+mod timed_table;
 mod tree;
 mod wire;
 mod write;
 
 pub use archive::zip_bytes;
 pub use certificate::{Certificate, LoopFigures};
+pub use chunks::{CHUNK_SAMPLES, Chunks};
+pub use clock::STEP_TOLERANCE;
 pub use columns::{ColumnName, nearest};
 pub use controller::{Controller, Design};
-pub use csv::{LEFT_OUT, csv_text};
+pub use csv::csv_text;
 pub use document::{Document, place_of, schema_of};
 pub use emit::quoted as toml_string;
-pub use error::{Error, Place, Tried};
+pub use error::{Error, FAR, Place, Tried};
 pub use excitation::Excitation;
 pub use extended::Extended;
 pub use fault::Fault;
@@ -70,7 +76,7 @@ pub use note::Note;
 pub use project::{Project, ProjectLimits, ProjectReference, ProjectRun};
 pub use project_file::ProjectFile;
 pub use provenance::{Parent, Provenance, State, Step, trace};
-pub use recording::{FEWEST_ROWS, Layout, PERIOD_TOLERANCE, Recording, STEP_TOLERANCE, write_signals};
+pub use recording::{FEWEST_ROWS, Layout, PERIOD_TOLERANCE, Recording, write_signals};
 pub use results::{
     ColumnSummary, DesignResult, DistributedBeam, ExportResult, Figure, IdentifyResult, MonteCarlo, NewResult,
     RationalCoefficients, RecordResult, RecordingSummary, ReferenceModel, RigTestResult, SampledRadius, ShowResult,
@@ -93,6 +99,7 @@ pub use source_result::{SingleErrorResult, SourceResult, UnitResult};
 pub use stiffness::{NoStiffness, Stiffness};
 pub use summary::{DirectionSummary, IdentificationSummary, LawSummary, PlantTable, ReproduceSummary};
 pub use system_result::SystemResult;
+pub use table::{LEFT_OUT, TableFault};
 pub use wire::{Reading, ReferenceChange, Reply, Request, request_of_changes, request_of_values};
 pub use write::{
     Overwrite, Written, check_free, check_free_for_json, check_free_for_mat, check_free_for_script, read_bytes,

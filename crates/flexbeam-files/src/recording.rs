@@ -9,15 +9,11 @@ use crate::error::{Error, Tried};
 use crate::fault::Fault;
 use crate::hash::sha256_hex;
 use crate::run_file::{RunRecording, is_mcap};
+use crate::table::Rows;
+use crate::timed_table::TimedTable;
 use crate::write::{Overwrite, Written, read_bytes, write_bytes};
 use flexbeam_lti::{Mat, Signals};
 use std::path::{Path, PathBuf};
-
-/// Each step of a time column is within this of the median step, relative to it.
-///
-/// A clock printed with three digits per period jitters by up to 1e-3; a missing sample makes a step of twice the
-/// median.
-pub const STEP_TOLERANCE: f64 = 1e-2;
 
 /// A period given and the period of the time column agree within this, relative.
 ///
@@ -34,6 +30,8 @@ pub struct Layout {
     pub columns: Option<Vec<String>>,
     /// Sample period [s]. Default: the time column's.
     pub period_s: Option<f64>,
+    /// Period to which jittered samples are interpolated [s]. Default: they are refused.
+    pub resample_s: Option<f64>,
 }
 
 /// A recording, its period established.
@@ -85,17 +83,19 @@ impl Recording {
             let run = RunRecording::parse(bytes, source)?.agreeing_with(layout)?;
             return Recording::of_run(&run).map_err(|fault| Error::new(Tried::Read, source, fault));
         }
-        let text = decoded(bytes, source)?;
-        let table = csv::parse(text, source, layout.columns.as_deref())?;
-        let fault = |fault| Error::new(Tried::Read, source, fault);
-        let Columns { time_s, names, data } = Columns::of(table).map_err(fault)?;
-        let period_s = period(time_s.as_deref(), layout.period_s).map_err(|(f, row)| {
-            let line = row.and_then(|row| csv::line_of_row(text, row));
-            line.map_or(fault(f.clone()), |line| fault(f).at_line(line))
-        })?;
-        let units = names.iter().map(|name| ColumnName::of(name).unit.to_string()).collect();
-        let signals = Signals { names, units, period_s, data };
-        Ok(Recording { signals, time_s, source: source.to_path_buf(), sha256: sha256_hex(bytes), notice: None })
+        let mut table = TimedTable::open(bytes, source, layout)?;
+        let mut rows = Rows::default();
+        table.fill(usize::MAX, &mut rows)?;
+        let period_s = table.end()?;
+        let data = Mat::from_vec(table.names().len(), rows.signals.len() / table.names().len(), rows.signals);
+        let signals = Signals { names: table.names().to_vec(), units: units_of(table.names()), period_s, data };
+        Ok(Recording {
+            signals,
+            time_s: table.has_time().then_some(rows.time),
+            source: source.to_path_buf(),
+            sha256: sha256_hex(bytes),
+            notice: table.notice(),
+        })
     }
 
     /// The longest stretch of a run without a gap.
@@ -117,24 +117,12 @@ impl Recording {
     ///
     /// Errors: [`Fault::UnknownColumn`], [`Fault::DuplicateName`].
     pub fn select<S: AsRef<str>>(&self, names: &[S]) -> Result<Signals, Error> {
-        let rows = names.iter().map(|name| self.row(name.as_ref())).collect::<Result<Vec<_>, _>>()?;
-        if let Some(k) = (0..rows.len()).find(|&k| rows[..k].contains(&rows[k])) {
-            let fault = Fault::DuplicateName { name: names[k].as_ref().into() };
-            return Err(Error::new(Tried::Select, &self.source, fault));
-        }
+        let rows = rows_of(&self.signals.names, names, &self.source)?;
         Ok(Signals {
             names: rows.iter().map(|&r| self.signals.names[r].clone()).collect(),
             units: rows.iter().map(|&r| self.signals.units[r].clone()).collect(),
             period_s: self.signals.period_s,
             data: self.signals.data.select_rows(&rows),
-        })
-    }
-
-    fn row(&self, name: &str) -> Result<usize, Error> {
-        self.signals.row(name).ok_or_else(|| {
-            let available = self.signals.names.clone();
-            let nearest = nearest(name, &available);
-            Error::new(Tried::Select, &self.source, Fault::UnknownColumn { name: name.into(), available, nearest })
         })
     }
 
@@ -147,14 +135,12 @@ impl Recording {
     /// The same recording in SI units: `theta_deg` becomes `theta_rad`, `tip_mm` becomes `tip_m`.
     pub fn into_si(mut self) -> Recording {
         for r in 0..self.signals.channels() {
-            let name = self.signals.names[r].clone();
-            let column = ColumnName::of(&name);
-            if column.unit == column.si_unit {
-                continue;
+            let (name, unit, factor) = in_si(&self.signals.names[r]);
+            if factor != 1.0 {
+                self.signals.data.row_mut(r).scale_mut(factor);
             }
-            self.signals.data.row_mut(r).scale_mut(column.si_factor);
-            self.signals.names[r] = format!("{}_{}", column.quantity, column.si_unit);
-            self.signals.units[r] = column.si_unit.into();
+            self.signals.names[r] = name;
+            self.signals.units[r] = unit.into();
         }
         self
     }
@@ -187,71 +173,13 @@ pub fn write_signals(
     write_bytes(path, csv::csv_text(signals, time_s).as_bytes(), overwrite)
 }
 
-fn decoded<'a>(bytes: &'a [u8], source: &Path) -> Result<&'a str, Error> {
-    const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
-    std::str::from_utf8(bytes).map_err(|error| {
-        let readable = String::from_utf8_lossy(&bytes[..error.valid_up_to()]);
-        Error::new(Tried::Read, source, Fault::NotText).at_offset(&readable, readable.len())
-    })
-}
-
-/// A table's columns, the time axis apart from the others.
-struct Columns {
-    /// [s]
-    time_s: Option<Vec<f64>>,
-    names: Vec<String>,
-    /// channels x samples.
-    data: Mat,
-}
-
-impl Columns {
-    /// Errors: [`Fault::NoSignals`], [`Fault::TooFewRows`].
-    fn of(table: csv::Table) -> Result<Columns, Fault> {
-        let csv::Table { mut names, values } = table;
-        let width = names.len();
-        let time = names.iter().position(|name| ColumnName::of(name).is_time());
-        if width == usize::from(time.is_some()) {
-            return Err(Fault::NoSignals);
-        }
-        let samples = values.len() / width;
-        if samples < FEWEST_ROWS {
-            return Err(Fault::TooFewRows { found: samples, needed: FEWEST_ROWS });
-        }
-        let Some(t) = time else {
-            return Ok(Columns { time_s: None, names, data: Mat::from_vec(width, samples, values) });
-        };
-        let column = ColumnName::of(&names[t]);
-        let in_seconds = |x: f64| if column.unit == column.si_unit { x } else { x * column.si_factor };
-        let time_s = values.iter().skip(t).step_by(width).map(|&x| in_seconds(x)).collect();
-        let others = values.iter().enumerate().filter(|(k, _)| k % width != t).map(|(_, &x)| x).collect();
-        names.remove(t);
-        Ok(Columns { time_s: Some(time_s), names, data: Mat::from_vec(width - 1, samples, others) })
-    }
-}
-
-/// The sample period, from the time column, from what was given, or from both when they agree.
-///
-/// Errors: the fault and, where one row is to blame, that row.
-fn period(time_s: Option<&[f64]>, given_s: Option<f64>) -> Result<f64, (Fault, Option<usize>)> {
-    if let Some(period_s) = given_s.filter(|&p| !(p > 0.0 && p.is_finite())) {
-        return Err((Fault::Period { period_s }, None));
-    }
-    let in_file_s = time_s.map(uniform_period).transpose()?;
-    match (in_file_s, given_s) {
-        (None, None) => Err((Fault::NoPeriod, None)),
-        (None, Some(given_s)) => Ok(given_s),
-        (Some(in_file_s), given_s) => agreed(in_file_s, given_s).map_err(|fault| (fault, None)),
-    }
-}
-
 /// The file's period, or the one that was given where the two agree.
 ///
 /// Errors: [`Fault::Period`], [`Fault::PeriodsDiffer`].
 pub(crate) fn agreed(in_file_s: f64, given_s: Option<f64>) -> Result<f64, Fault> {
     match given_s {
         None => Ok(in_file_s),
-        Some(period_s) if !(period_s > 0.0 && period_s.is_finite()) => Err(Fault::Period { period_s }),
+        Some(period_s) if !is_period(period_s) => Err(Fault::Period { period_s }),
         Some(given_s) if (in_file_s - given_s).abs() > PERIOD_TOLERANCE * given_s => {
             Err(Fault::PeriodsDiffer { in_file_s, given_s, tolerance: PERIOD_TOLERANCE })
         }
@@ -259,27 +187,42 @@ pub(crate) fn agreed(in_file_s: f64, given_s: Option<f64>) -> Result<f64, Fault>
     }
 }
 
-/// The mean step of a time axis whose steps are all equal within [`STEP_TOLERANCE`].
-///
-/// Assumes: at least two instants.
-/// Numerics: steps are compared with the median step, which a few bad rows do not move, so the first bad row is named.
-fn uniform_period(time_s: &[f64]) -> Result<f64, (Fault, Option<usize>)> {
-    let steps = || time_s.windows(2).map(|pair| pair[1] - pair[0]);
-    let mut sorted: Vec<f64> = steps().collect();
-    let middle = sorted.len() / 2;
-    let needed_s = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let unequal = |found_s: f64| Fault::UnequalPeriods { found_s, needed_s, tolerance: STEP_TOLERANCE };
-    let bad = |step: &f64| !(needed_s > 0.0 && (step - needed_s).abs() <= STEP_TOLERANCE * needed_s);
-    if let Some((k, step)) = steps().enumerate().find(|(_, step)| bad(step)) {
-        return Err((unequal(step), Some(k + 1)));
-    }
-    Ok(shortest_near((time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64))
+pub(crate) fn is_period(period_s: f64) -> bool {
+    period_s > 0.0 && period_s.is_finite()
 }
 
-/// The decimal number with fewest digits within 1e-12 of `x`, relative: 0.001 for 0.0010000000000000002.
+/// Where the columns of these names stand; a name is found whatever its case, where only one is so called.
 ///
-/// 1e-12 is what `flexbeam_lti::Time` takes for equal.
-fn shortest_near(x: f64) -> f64 {
-    let rounded = (0..=16).map(|digits| format!("{x:.digits$e}").parse::<f64>().unwrap_or(x));
-    rounded.into_iter().find(|r| (r - x).abs() <= 1e-12 * x.abs()).unwrap_or(x)
+/// Errors: [`Fault::UnknownColumn`], [`Fault::DuplicateName`].
+pub(crate) fn rows_of<S: AsRef<str>>(available: &[String], names: &[S], source: &Path) -> Result<Vec<usize>, Error> {
+    let error = |fault| Error::new(Tried::Select, source, fault);
+    let row = |name: &S| {
+        let name = name.as_ref();
+        let alike = || available.iter().enumerate().filter(|(_, other)| other.to_lowercase() == name.to_lowercase());
+        let exact = available.iter().position(|other| other == name);
+        let found = exact.or_else(|| if alike().count() == 1 { alike().next().map(|(k, _)| k) } else { None });
+        found.ok_or_else(|| {
+            let (available, nearest) = (available.to_vec(), nearest(name, available));
+            error(Fault::UnknownColumn { name: name.into(), available, nearest })
+        })
+    };
+    let rows = names.iter().map(row).collect::<Result<Vec<_>, _>>()?;
+    match (0..rows.len()).find(|&k| rows[..k].contains(&rows[k])) {
+        Some(k) => Err(error(Fault::DuplicateName { name: names[k].as_ref().into() })),
+        None => Ok(rows),
+    }
+}
+
+/// The units that stand in names.
+pub(crate) fn units_of(names: &[String]) -> Vec<String> {
+    names.iter().map(|name| ColumnName::of(name).unit.to_string()).collect()
+}
+
+/// A column's name in SI units, its unit, and how many of it one of the file's is.
+pub(crate) fn in_si(name: &str) -> (String, &'static str, f64) {
+    let column = ColumnName::of(name);
+    match column.unit == column.si_unit {
+        true => (name.into(), column.unit, 1.0),
+        false => (format!("{}_{}", column.quantity, column.si_unit), column.si_unit, column.si_factor),
+    }
 }

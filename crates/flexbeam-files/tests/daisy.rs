@@ -14,7 +14,7 @@ fn data() -> Option<PathBuf> {
 }
 
 fn layout(columns: &str, period_s: Option<f64>) -> Layout {
-    Layout { columns: Some(columns.split(',').map(String::from).collect()), period_s }
+    Layout { columns: Some(columns.split(',').map(String::from).collect()), period_s, ..Layout::default() }
 }
 
 #[test]

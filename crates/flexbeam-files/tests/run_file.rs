@@ -320,7 +320,8 @@ fn too_short_a_stretch_is_refused() {
 fn what_the_user_says_of_a_run_must_agree() {
     let bytes = patchy(|_| Some((RunPhase::Running, false)));
     let with = |columns: Option<Vec<String>>, period_s| {
-        Recording::parse(&bytes, Path::new("run.mcap"), &Layout { columns, period_s }).map_err(|error| *error.fault)
+        Recording::parse(&bytes, Path::new("run.mcap"), &Layout { columns, period_s, resample_s: None })
+            .map_err(|error| *error.fault)
     };
     assert_eq!(with(Some(vec!["u".into()]), None), Err(Fault::Run(RunFault::Named)));
     assert_eq!(with(None, Some(0.0010001)).unwrap().signals.period_s, 0.0010001);

@@ -96,7 +96,7 @@ fn of_run(arguments: &cli::Show) -> Result<(), Failure> {
 
 fn layout(arguments: &cli::Show) -> Layout {
     let columns = Some(arguments.columns.clone()).filter(|columns| !columns.is_empty());
-    Layout { columns, period_s: arguments.period }
+    Layout { columns, period_s: arguments.period, ..Layout::default() }
 }
 
 fn columns(signals: &Signals) -> Vec<ColumnSummary> {

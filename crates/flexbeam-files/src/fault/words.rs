@@ -1,7 +1,7 @@
 //! Numbers and schemas in the words of a message.
 
 /// Six digits are plenty to recognise a number by.
-pub(super) fn six_digits(x: f64) -> f64 {
+pub(crate) fn six_digits(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
 }
 
