@@ -8,8 +8,11 @@ pub const PYTHON: &str = "FLEXBEAM_PYTHON";
 
 /// What the tests import. What these need themselves, they choose. Playwright's wheel holds its driver but no browser: that is
 /// Debian's. The axe rules of accessibility come with axe-playwright-python.
-const PINS: [&str; 6] = [
+const PINS: [&str; 9] = [
     "fmpy==0.3.32",
+    "ecospy==0.7.2",
+    "tbb==2023.2.0",
+    "libcosimpy==0.0.6",
     "mcap==1.6.0",
     "mcap-ros2-support==0.6.0",
     "scipy==1.17.1",

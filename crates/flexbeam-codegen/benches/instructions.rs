@@ -1,17 +1,18 @@
-//! Instructions of one tick, counted by callgrind: the kernel, the generated C, the generated Rust. Counts do not depend on how busy the
-//! machine is.
+//! Instructions of one tick, counted by callgrind: the kernel, the generated C, the generated Rust, the functional mock-up unit. Counts do
+//! not depend on how busy the machine is.
 //!
 //! Prints a table. Needs valgrind, gcc, clang and rustc.
 
 #[path = "../tests/support/mod.rs"]
 mod support;
 
-use flexbeam_codegen::Precision;
+use flexbeam_codegen::fmu::{SOURCES, Version, unit};
+use flexbeam_codegen::{Name, Precision, Subject};
 use flexbeam_files::Controller;
 use flexbeam_kernel::{Commanded, Controller as Kernel, Fault, Measured, Settings, State, tick};
 use std::path::Path;
 use std::process::Command;
-use support::{Language, compile, named, random, settings_of, sources, succeeds, written};
+use support::{Language, SHA256, compile, named, random, settings_of, sources, succeeds, written};
 
 const ORDERS: [usize; 3] = [8, 16, 32];
 const TICKS: u64 = 2000;
@@ -24,20 +25,27 @@ fn main() {
         return run_kernel(&controller(order.parse().expect("an order")));
     }
     if Command::new("valgrind").arg("--version").output().is_err() {
-        eprintln!("tried to count instructions, found no valgrind, needed it\nhint: apt-get install valgrind");
+        eprintln!(
+            "tried to count instructions, found no valgrind, needed it\nhint: apt-get install valgrind, or cargo xtask bench, which installs what is missing"
+        );
         std::process::exit(2);
     }
     println!("\n| instructions a tick (and for each multiply-add) | n = 8 | n = 16 | n = 32 |\n|---|---|---|---|");
     row("kernel, rustc opt-level 3", |order| {
         let itself = std::env::current_exe().expect("the program that runs");
-        counted(Command::new("valgrind").env(COUNTED, order.to_string()), &itself.to_string_lossy())
+        let program = [itself.to_string_lossy()];
+        counted(
+            Command::new("valgrind").env(COUNTED, order.to_string()),
+            COUNTED_TICK,
+            &program.each_ref().map(|p| &**p),
+        )
     });
     for (compiler, flag) in [("gcc", "-O2"), ("gcc", "-O3"), ("clang", "-O2")] {
         row(&format!("C, {compiler} {flag}"), |order| {
             let folder = generated(order, &Language::C);
             std::fs::write(folder.join("count.c"), named(C)).expect("written");
             let program = compile(compiler, &[flag], &["beam.c", "count.c"], "count", &folder);
-            counted(&mut Command::new("valgrind"), &program.to_string_lossy())
+            counted(&mut Command::new("valgrind"), COUNTED_TICK, &[&program.to_string_lossy()])
         });
     }
     row("Rust, rustc opt-level 3", |order| {
@@ -48,8 +56,44 @@ fn main() {
         succeeds("rustc", &[&flags[..], &library].concat(), &folder);
         let program = ["--extern", "beam=libbeam.rlib", "count.rs", "-o", "count"];
         succeeds("rustc", &[&flags[..], &program].concat(), &folder);
-        counted(&mut Command::new("valgrind"), &folder.join("count").to_string_lossy())
+        counted(&mut Command::new("valgrind"), COUNTED_TICK, &[&folder.join("count").to_string_lossy()])
     });
+    for version in [Version::Two, Version::Three] {
+        for (what, function) in [("set, step, get", COUNTED_TICK), ("the tick in it", "beam_step")] {
+            row(&format!("FMU {}, gcc -O2: {what}", number(version)), |order| {
+                let (program, guid) = unit_in_host(order, version);
+                counted(&mut Command::new("valgrind"), function, &[&program.to_string_lossy(), &guid])
+            });
+        }
+    }
+}
+
+/// What is counted: in each program the function that ticks once.
+const COUNTED_TICK: &str = "*counted_tick*";
+
+fn number(version: Version) -> &'static str {
+    if version == Version::Two { "2.0" } else { "3.0" }
+}
+
+/// A host linked with the unit's library, which is built as `flexbeam export` builds it, but with its symbols; and its token.
+fn unit_in_host(order: usize, version: Version) -> (std::path::PathBuf, String) {
+    let (file, name) = (controller(order), Name::new("beam").expect("a name"));
+    let (settings, figures) = (settings_of(&file), &file.certificate.sampled);
+    let subject = Subject { controller: &file, settings: &settings, sha256: SHA256, figures, unverified: None };
+    let unit = unit(&subject, &name, version).expect("a unit");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("unit_{}_{order}", number(version)));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    for (path, text) in unit.files.iter().filter_map(|f| Some((f.path.strip_prefix(SOURCES)?, &f.text))) {
+        std::fs::write(folder.join(path), text).expect("written");
+    }
+    let host = if version == Version::Two { include_str!("fmu/host_2.c") } else { include_str!("fmu/host_3.c") };
+    std::fs::write(folder.join("host.c"), host).expect("written");
+    let compiled: Vec<&str> = unit.compiled.iter().map(String::as_str).collect();
+    compile("gcc", &["-O2", "-fPIC", "-shared", "-fvisibility=hidden"], &compiled, "libbeam.so", &folder);
+    let program = compile("gcc", &["-O2", "-Wl,-rpath,$ORIGIN"], &["host.c", "./libbeam.so"], "host", &folder);
+    let description = unit.files.iter().find(|file| file.path == "modelDescription.xml").expect("a description");
+    let guid = description.text.split('"').find(|text| text.starts_with('{')).expect("a token");
+    (program, guid.to_owned())
 }
 
 fn row(name: &str, count: impl Fn(usize) -> u64) {
@@ -73,11 +117,11 @@ fn generated(order: usize, language: &Language) -> std::path::PathBuf {
     written(&format!("instructions_{order}"), &sources(&controller(order), Precision::F64, language))
 }
 
-/// Instructions of one tick of a program that runs `counted_tick` 2000 times.
-fn counted(valgrind: &mut Command, program: &str) -> u64 {
+/// Instructions of one tick of a program that runs `function` 2000 times.
+fn counted(valgrind: &mut Command, function: &str, program: &[&str]) -> u64 {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let tool = ["--tool=callgrind", "--callgrind-out-file=/dev/null", "--toggle-collect=*counted_tick*", program];
-    let output = valgrind.args(tool).current_dir(folder).output().expect("valgrind starts");
+    let tool = ["--tool=callgrind", "--callgrind-out-file=/dev/null", &format!("--toggle-collect={function}")];
+    let output = valgrind.args(tool).args(program).current_dir(folder).output().expect("valgrind starts");
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
     let line = said.lines().find_map(|line| line.split_once("Collected :"));

@@ -4,7 +4,7 @@ use crate::number::hexadecimal;
 use crate::numbers::Numbers;
 use crate::settings::in_c;
 use crate::template::filled;
-use crate::vectors::{Check, SingleError, Vectors};
+use crate::vectors::{Check, SingleFigures, Vectors};
 use crate::{Error, Name, Options, Precision, Source, Sources, Subject, heading};
 use flexbeam_kernel::{Commanded, Measured};
 
@@ -15,7 +15,7 @@ pub fn sources(subject: &Subject<'_>, options: &Options) -> Result<Sources, Erro
     let Options { name, precision } = options;
     let numbers = Numbers::new(subject, *precision)?;
     let vectors = Vectors::new(subject, &numbers, *precision)?;
-    let single_error = vectors.single_error(subject, *precision)?;
+    let single = vectors.single(subject, &numbers, *precision)?;
     let text = Text { precision: *precision, upper: name.upper() };
     let title = heading::title(subject, *precision);
     let no_marks: &[(&str, &str)] = &[];
@@ -30,11 +30,11 @@ pub fn sources(subject: &Subject<'_>, options: &Options) -> Result<Sources, Erro
         .into_iter()
         .map(|(path, template, marks)| (path.to_owned(), text.named(options, template, marks)))
         .collect();
-    files.extend(text.controller(subject, options, &numbers, single_error.as_ref())?);
+    files.extend(text.controller(subject, options, &numbers, single.as_ref())?);
     files.extend(text.vectors(options, &vectors));
     files.extend(FRAME.map(|(path, text)| (path.to_owned(), text.to_owned())));
     let files = files.into_iter().map(|(path, text)| Source { path: path.replace("NAME", name.as_str()), text });
-    Ok(Sources { files: files.collect(), single_error })
+    Ok(Sources { files: files.collect(), single })
 }
 
 /// Header and source of the controller alone, in f64.
@@ -77,11 +77,11 @@ impl Text {
         subject: &Subject<'_>,
         options: &Options,
         numbers: &Numbers,
-        single_error: Option<&SingleError>,
+        single: Option<&SingleFigures>,
     ) -> Result<[(String, String); 2], Error> {
         let header = [
             ("TITLE", &*heading::title(subject, self.precision)),
-            ("BANNER", &heading::banner(subject, single_error, " *")),
+            ("BANNER", &heading::banner(subject, single, " *")),
             ("ORDER", &numbers.order.to_string()),
             ("PERIOD", &format!("{:?}", subject.controller.period_s)),
             ("SHA256", subject.sha256),

@@ -1,6 +1,7 @@
 //! What stands at the head of the files: what it is, where it came from, what was proven of it.
 
-use crate::vectors::SingleError;
+use crate::bound::{NoBound, SingleBound};
+use crate::vectors::{SingleError, SingleFigures};
 use crate::{Precision, Subject};
 use flexbeam_files::Extended;
 
@@ -18,16 +19,18 @@ pub(crate) fn title(subject: &Subject<'_>, precision: Precision) -> String {
 }
 
 /// Origin, certificate and precision, each line behind `prefix`.
-pub(crate) fn banner(subject: &Subject<'_>, error: Option<&SingleError>, prefix: &str) -> String {
+pub(crate) fn banner(subject: &Subject<'_>, single: Option<&SingleFigures>, prefix: &str) -> String {
     let mut lines = vec![
         format!("Written by flexbeam {} from the controller file with SHA-256", env!("CARGO_PKG_VERSION")),
         subject.sha256.to_owned(),
         String::new(),
     ];
-    lines.extend(certificate(subject, error.is_some()));
-    if let Some(error) = error {
+    lines.extend(certificate(subject, single.is_some()));
+    if let Some(single) = single {
         lines.push(String::new());
-        lines.extend(precision(error));
+        lines.extend(precision(&single.error));
+        lines.push(String::new());
+        lines.extend(bound(&single.bound));
     }
     if let Some(reason) = subject.unverified {
         lines.push(String::new());
@@ -73,6 +76,26 @@ fn precision(error: &SingleError) -> Vec<String> {
         format!("  voltage           {voltage} V, {switched} V under the switched law"),
         format!("  u                 {u} V"),
         format!("  angles            {angle} rad"),
+    ]);
+    lines
+}
+
+/// What holds for all references, or why nothing does.
+fn bound(bound: &Result<SingleBound, NoBound>) -> Vec<String> {
+    let bound = match bound {
+        Ok(bound) => bound,
+        Err(why) => return wrapped(&format!("No bound of the difference between the loops in f32 and f64: {why}.")),
+    };
+    let mut lines = wrapped(&format!(
+        "Bound of the difference between the loop in f32 and the loop in f64, with the nominal plant, for all references within {} rad (each smooth step at rest before the \
+         next) and for all times, while |alpha| is within {} rad, the voltage limit is not reached, and the law cancels the actuator's dead zone, or there is neither:",
+        bound.reference_rad, bound.deflection_rad
+    ));
+    let [voltage, u, tip] = [bound.voltage_v, bound.u_v, bound.tip_rad].map(not_below);
+    lines.extend([
+        format!("  voltage           {voltage} V"),
+        format!("  u                 {u} V"),
+        format!("  tip angle         {tip} rad"),
     ]);
     lines
 }

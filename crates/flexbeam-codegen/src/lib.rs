@@ -8,6 +8,7 @@
 //! The fixed part of the text lies in `templates/`, as the files that come out, with the name `NAME` (in macros `UPPER`) and
 //! `@MARKS@` where numbers go.
 
+mod bound;
 pub mod c;
 pub mod fmu;
 mod heading;
@@ -22,10 +23,11 @@ mod stimulus;
 mod template;
 mod vectors;
 
+pub use bound::{NoBound, SingleBound};
 pub use name::Name;
 pub use numbers::rounded;
 pub use rig::{RigSubject, rig_sources};
-pub use vectors::SingleError;
+pub use vectors::{SingleError, SingleFigures};
 
 use flexbeam_files::{Controller, LoopFigures};
 use flexbeam_kernel as kernel;
@@ -135,6 +137,6 @@ pub struct Source {
 pub struct Sources {
     /// The files.
     pub files: Vec<Source>,
-    /// Largest differences from f64 over the vectors; none in f64.
-    pub single_error: Option<SingleError>,
+    /// How far f32 is off; none in f64.
+    pub single: Option<SingleFigures>,
 }

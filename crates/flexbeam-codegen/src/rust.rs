@@ -18,11 +18,11 @@ pub fn sources(subject: &Subject<'_>, options: &Options) -> Result<Sources, Erro
     let name = name.of_crate()?;
     let numbers = Numbers::new(subject, *precision)?;
     let vectors = Vectors::new(subject, &numbers, *precision)?;
-    let single_error = vectors.single_error(subject, *precision)?;
+    let single = vectors.single(subject, &numbers, *precision)?;
     let text = Text(*precision);
     let title = heading::title(subject, *precision);
     let named = |template: &str| template.replace("NAME", name);
-    let banner = heading::banner(subject, single_error.as_ref(), "//!");
+    let banner = heading::banner(subject, single.as_ref(), "//!");
     let files = [
         ("Cargo.toml", filled(&named(include_str!("../templates/rust/Cargo.toml")), &[("TITLE", &title)])),
         ("README.md", filled(&named(include_str!("../templates/rust/README.md")), &[("TITLE", &title)])),
@@ -33,7 +33,7 @@ pub fn sources(subject: &Subject<'_>, options: &Options) -> Result<Sources, Erro
         ("tests/vectors.rs", text.vectors(&named(include_str!("../templates/rust/tests/vectors.rs")), &vectors)),
     ];
     let files = files.into_iter().map(|(path, text)| Source { path: path.to_owned(), text });
-    Ok(Sources { files: files.collect(), single_error })
+    Ok(Sources { files: files.collect(), single })
 }
 
 /// How numbers look.

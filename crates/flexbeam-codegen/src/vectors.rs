@@ -1,5 +1,6 @@
 //! Answers: of the kernel in f64, of the written text itself in f32.
 
+use crate::bound::{self, NoBound, SingleBound};
 use crate::numbers::Numbers;
 use crate::single::Single;
 use crate::stimulus::{self, Step};
@@ -12,6 +13,15 @@ pub(crate) struct Vectors {
     pub(crate) settings: Vec<Settings>,
     pub(crate) steps: Vec<Step>,
     pub(crate) answers: Vec<Commanded>,
+}
+
+/// How far the f32 text is from the kernel in f64.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SingleFigures {
+    /// Measured over the vectors.
+    pub error: SingleError,
+    /// For all references and all times, round the nominal loop.
+    pub bound: Result<SingleBound, NoBound>,
 }
 
 /// Largest differences of the f32 text from the kernel in f64, over the ticks of the vectors that are a loop as it should run.
@@ -53,21 +63,29 @@ impl Vectors {
     /// How far f32 is off; nothing in f64.
     ///
     /// Errors: those of the kernel.
-    pub(crate) fn single_error(
+    pub(crate) fn single(
         &self,
         subject: &Subject<'_>,
+        numbers: &Numbers,
         precision: Precision,
-    ) -> Result<Option<SingleError>, Error> {
-        if precision == Precision::F64 {
-            return Ok(None);
+    ) -> Result<Option<SingleFigures>, Error> {
+        match precision {
+            Precision::F64 => Ok(None),
+            Precision::F32 => {
+                let (error, bound) = (self.single_error(subject)?, bound::single_bound(subject, numbers)?);
+                Ok(Some(SingleFigures { error, bound }))
+            }
         }
+    }
+
+    fn single_error(&self, subject: &Subject<'_>) -> Result<SingleError, Error> {
         let exact = Numbers::new(subject, Precision::F64)?;
         let exact = answers(&exact, &stimulus::settings(subject.settings), &self.steps, Precision::F64)?;
         let nothing = SingleError { ticks: 0, voltage_v: 0.0, switched_voltage_v: 0.0, u_v: 0.0, angle_rad: 0.0 };
         let compared = self.steps.iter().zip(self.answers.iter().zip(&exact)).filter(|(step, _)| step.fair);
-        Ok(Some(compared.fold(nothing, |error, (step, (single, exact))| {
+        Ok(compared.fold(nothing, |error, (step, (single, exact))| {
             error.with(single, exact, self.settings[step.settings].law == flexbeam_kernel::Law::Switched)
-        })))
+        }))
     }
 }
 

@@ -1,10 +1,13 @@
 //! Generated C on a Cortex-M that qemu simulates, in closed loop with the nominal beam: the bits of the host and of the kernel, and
-//! a table of instructions a tick, stack and code.
+//! a table of instructions a tick, stack and code. The stack is painted, and counted from what compiler and disassembler say.
 
+#[path = "support/frames.rs"]
+mod frames;
 mod support;
 
 use flexbeam_codegen::Precision;
 use flexbeam_kernel::{self as kernel, Fault, Law, Measured, Settings, State, tick};
+use frames::Frames;
 use std::path::Path;
 use support::{Kernel, Language, WARNINGS, compile, named, reproduced, run, settings_of, sources, succeeds, written};
 
@@ -29,11 +32,18 @@ const BOARDS: [Board; 3] = [
     },
 ];
 
+/// Bytes at the end of a frame that nothing was written to, at most: what is called in rare cases takes most.
+const UNWRITTEN: u64 = 32;
+
 /// What a board says.
 struct Ran {
     sum: String,
     instructions: u64,
     stack: u64,
+    /// Of the tick's own frame, as the compiler says.
+    frame: u64,
+    /// Of the deepest routine that it calls, as the disassembly says.
+    below: u64,
     code: u64,
 }
 
@@ -42,15 +52,30 @@ fn on_board(board: &Board, folder: &Path) -> Ran {
     arguments.extend(["-O2", "-ffp-contract=off", "-mthumb", "-ffunction-sections", "-fdata-sections"]);
     arguments.extend(board.flags);
     let mut object = arguments.clone();
-    object.extend(["-c", "beam.c", "-o", "beam_arm.o"]);
+    object.extend(["-fstack-usage", "-c", "beam.c", "-o", "beam_arm.o"]);
     succeeds("arm-none-eabi-gcc", &object, folder);
+    let frame = stack_usage(folder, "beam_arm.su", "beam_tick");
     let size = succeeds("arm-none-eabi-size", &["beam_arm.o"], folder);
     let code = size.lines().nth(1).and_then(|line| line.split_whitespace().next()?.parse().ok()).expect("a size");
     // The start of a board reads and writes what the linker names, and writes by register: no -Wpedantic there.
     arguments.retain(|flag| !["-std=c99", "-Wpedantic"].contains(flag));
-    arguments.extend(["-DON_BOARD", "beam_arm.o", "main.c", "board.c", "-T", "board.ld", "-nostartfiles"]);
+    arguments.extend([
+        "-DON_BOARD",
+        "-fstack-usage",
+        "beam_arm.o",
+        "main.c",
+        "board.c",
+        "-T",
+        "board.ld",
+        "-nostartfiles",
+    ]);
     arguments.extend(["--specs=nosys.specs", "-Wl,--gc-sections", "-o", "beam.elf"]);
     succeeds("arm-none-eabi-gcc", &arguments, folder);
+    for painter in ["board_paint", "board_count", "board_stack_used"] {
+        assert_eq!(stack_usage(folder, "beam.elf-board.su", painter), 0, "{painter} paints over itself");
+    }
+    let frames = Frames::of_arm(&succeeds("arm-none-eabi-objdump", &["-d", "beam.elf"], folder));
+    assert_eq!(frames.own("beam_tick"), frame, "{}: -fstack-usage and the disassembly", board.name);
     let machine =
         ["-M", board.machine, "-display", "none", "-monitor", "none", "-serial", "none", "-icount", "shift=0"];
     let semihosting = ["-semihosting-config", "enable=on,target=native", "-kernel", "beam.elf"];
@@ -62,7 +87,23 @@ fn on_board(board: &Board, folder: &Path) -> Ran {
         line.unwrap_or_else(|| panic!("{name} in {said}")).to_owned()
     };
     let number = |name: &str| value(name).parse().expect("a number");
-    Ran { sum: value("sum"), instructions: number("instructions"), stack: number("stack"), code }
+    Ran {
+        sum: value("sum"),
+        instructions: number("instructions"),
+        stack: number("stack"),
+        frame,
+        below: frames.below("beam_tick"),
+        code,
+    }
+}
+
+/// What -fstack-usage says of a function that takes the same bytes always.
+fn stack_usage(folder: &Path, file: &str, function: &str) -> u64 {
+    let text = std::fs::read_to_string(folder.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+    let line = text.lines().find(|line| line.contains(&format!(":{function}\t"))).expect("the function");
+    let words: Vec<&str> = line.split('\t').collect();
+    assert_eq!(words[2], "static", "{line}");
+    words[1].parse().expect("bytes")
 }
 
 /// The same loop around the kernel; see main.c.
@@ -113,7 +154,7 @@ fn a_cortex_m_computes_the_host_s_bits() {
         ("board.ld", include_str!("cortex_m/board.ld")),
     ];
     println!(
-        "| processor | precision | instructions a tick | stack [bytes] | code and constants [bytes] |\n|---|---|---|---|---|"
+        "| processor | precision | instructions a tick | stack: painted, of the tick, of what it calls [bytes] | code and constants [bytes] |\n|---|---|---|---|---|"
     );
     for precision in [Precision::F64, Precision::F32] {
         let folder = written(&format!("cortex_m_{precision:?}"), &sources(&reproduced(), precision, &Language::C));
@@ -134,8 +175,9 @@ fn a_cortex_m_computes_the_host_s_bits() {
                 ran.instructions,
                 ran.stack
             );
-            let Ran { instructions, stack, code, .. } = ran;
-            println!("| {} | {precision:?} | {instructions} | {stack} | {code} |", board.name);
+            let Ran { instructions, stack, frame, below, code, .. } = ran;
+            assert!(stack <= frame + below && stack + UNWRITTEN >= frame + below, "{stack} of {frame} + {below} bytes");
+            println!("| {} | {precision:?} | {instructions} | {stack}, {frame}, {below} | {code} |", board.name);
         }
     }
 }

@@ -32,7 +32,7 @@ int main(void)
 fn the_stated_error_is_that_of_the_compiled_text() {
     let file = reproduced();
     let sources = sources(&file, Precision::F32, &Language::C);
-    let stated = sources.single_error.expect("f32 states its error");
+    let stated = sources.single.as_ref().expect("f32 states its error").error;
     let folder = written("single", &sources);
     std::fs::write(folder.join("print.c"), PRINT).unwrap();
     let program = compile("clang", &["-O2"], &["beam.c", "test_vectors.c", "print.c"], "print", &folder);

@@ -95,7 +95,7 @@ pub use scope_wire::{
 };
 pub use screen::{AmplitudeAxis, Edge, FrequencyAxis, Panel, Scope, ScopeKind, Screen, Trigger, TriggerMode};
 pub use settings::{Channel, Law, Settings};
-pub use source_result::{SingleErrorResult, SourceResult, UnitResult};
+pub use source_result::{SingleBoundResult, SingleErrorResult, SourceResult, UnitResult};
 pub use stiffness::{NoStiffness, Stiffness};
 pub use summary::{DirectionSummary, IdentificationSummary, LawSummary, PlantTable, ReproduceSummary};
 pub use system_result::SystemResult;

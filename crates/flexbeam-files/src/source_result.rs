@@ -25,6 +25,10 @@ pub struct SourceResult {
     pub period_s: f64,
     /// Largest differences of f32 from f64; null in f64.
     pub single_error: Option<SingleErrorResult>,
+    /// What the difference of the loops in f32 and f64 never exceeds; null in f64, and where there is no bound.
+    pub single_bound: Option<SingleBoundResult>,
+    /// Why f32 has no bound; null where it has one, and in f64.
+    pub no_bound: Option<String>,
     /// Why it was written although its certificate does not match; null where it does.
     pub unverified: Option<String>,
 }
@@ -54,6 +58,21 @@ pub struct UnitResult {
     pub period_s: f64,
     /// Why it was written although its certificate does not match; null where it does.
     pub unverified: Option<String>,
+}
+
+/// Bounds of the difference between the loops in f32 and in f64, with the nominal plant.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SingleBoundResult {
+    /// For references within this [rad].
+    pub reference_rad: f64,
+    /// For deflections within this [rad].
+    pub deflection_rad: f64,
+    /// Of the voltage [V].
+    pub voltage_v: f64,
+    /// Of u [V].
+    pub u_v: f64,
+    /// Of the tip angle [rad].
+    pub tip_rad: f64,
 }
 
 /// Largest differences from f64 over the test vectors.

@@ -18,6 +18,7 @@ pub mod hankel;
 pub mod logarithm;
 pub mod minimal;
 pub mod norm;
+pub mod peak_to_peak;
 mod rational;
 pub mod reduction;
 pub mod response;

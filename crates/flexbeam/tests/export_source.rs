@@ -39,8 +39,31 @@ fn what_is_written_builds_and_passes_its_own_test() {
         let said = succeeds("make", &["CFLAGS=-O2 -Werror", "all", "test"], &bench.path(precision));
         assert!(said.contains("every bit"), "{said}");
     }
+    assert_eq!(bounds(&bench, "--as c -o c"), bounds(&bench, "--as rust -o rust"));
     let header = bench.read("f32/beam.h");
     assert!(header.contains("rounded to f32") && header.contains("typedef float beam_real;"), "{header}");
+}
+
+/// What an export in f32 says that the voltage, u and the tip angle never exceed, beside what was measured over its vectors.
+fn bounds(bench: &Bench, words: &str) -> [f64; 3] {
+    let answer = bench.json(&format!("export controller.toml --precision f32 {words}"));
+    assert!(answer["no_bound"].is_null(), "{answer}");
+    let number = |table: &str, key: &str| answer[table][key].as_f64().expect("a number");
+    assert_eq!(number("single_bound", "reference_rad"), std::f64::consts::FRAC_PI_4);
+    assert!(number("single_error", "u_v") < number("single_bound", "u_v"), "{answer}");
+    let found = ["voltage_v", "u_v", "tip_rad"].map(|key| number("single_bound", key));
+    assert!(found[1] < 1e-3 && found[0] > 20.0 * found[1] && found[2] < 1e-3, "{answer}");
+    found
+}
+
+#[test]
+fn a_bound_that_is_missing_says_why() {
+    let bench = bench();
+    bench.write("switched.toml", &CONTROLLER.replacen("law = \"inverse\"", "law = \"switched\"", 1));
+    let answer = bench.json("export switched.toml --as c --precision f32 -o out");
+    assert!(answer["single_bound"].is_null() && !answer["single_error"].is_null(), "{answer}");
+    assert!(answer["no_bound"].as_str().is_some_and(|why| why.contains("switched law jumps")), "{answer}");
+    assert!(bench.read("out/controller.h").contains("No bound of the difference"));
 }
 
 #[test]

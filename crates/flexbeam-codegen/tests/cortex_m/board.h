@@ -15,7 +15,7 @@ uint32_t board_count(void);
 /* Paints the stack below its caller. */
 void board_paint(void);
 
-/* Bytes that calls from the same caller have used since, to 16 bytes; never less than 64. */
+/* Bytes that calls from the same caller have used since, down to the lowest word that was written. */
 uint32_t board_stack_used(void);
 
 #endif

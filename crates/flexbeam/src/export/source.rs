@@ -1,9 +1,11 @@
 //! A controller as C or Rust.
 
-use flexbeam_codegen::{Name, Options, Precision, Source, Sources, Subject, c, rust};
+use flexbeam_codegen::{
+    Name, Options, Precision, SingleBound, SingleError, SingleFigures, Source, Sources, Subject, c, rust,
+};
 use flexbeam_files::{
-    Controller, Document, LoopFigures, Overwrite, SingleErrorResult, SourceResult, check_free_folder, json_text,
-    read_bytes, sha256_hex, write_folder,
+    Controller, Document, LoopFigures, Overwrite, SingleBoundResult, SingleErrorResult, SourceResult,
+    check_free_folder, json_text, read_bytes, sha256_hex, write_folder,
 };
 use flexbeam_kernel::Settings;
 
@@ -41,7 +43,7 @@ pub(super) fn export(arguments: &cli::Export) -> Result<(), Failure> {
     let (sources, unverified) = sources(arguments, &file, &sha256, &options)?;
     let texts: Vec<(&str, &str)> = sources.files.iter().map(|file| (file.path.as_str(), file.text.as_str())).collect();
     write_folder(&arguments.out, &texts, overwrite)?;
-    answer(arguments, &file, sha256, sources, unverified);
+    answer(arguments, &file, sha256, &sources, unverified);
     Ok(())
 }
 
@@ -96,29 +98,20 @@ fn answer(
     arguments: &cli::Export,
     file: &Controller,
     source_sha256: String,
-    sources: Sources,
+    sources: &Sources,
     unverified: Option<String>,
 ) {
     let precision = arguments.precision.unwrap_or_default();
-    let files: Vec<String> = sources.files.into_iter().map(|Source { path, .. }| path).collect();
+    let files: Vec<String> = sources.files.iter().map(|Source { path, .. }| path.clone()).collect();
     let folder = arguments.out.display().to_string();
     if !arguments.json {
         println!("{folder}: {}", files.join(", "));
-        if let Some(error) = sources.single_error {
-            println!(
-                "f32 against f64 over {} ticks: voltage {:.2e} V, {:.2e} V under the switched law, angles {:.2e} rad at most",
-                error.ticks, error.voltage_v, error.switched_voltage_v, error.angle_rad
-            );
+        if let Some(single) = &sources.single {
+            tell_single(single);
         }
         return;
     }
-    let single_error = sources.single_error.map(|error| SingleErrorResult {
-        ticks: error.ticks,
-        voltage_v: error.voltage_v,
-        switched_voltage_v: error.switched_voltage_v,
-        u_v: error.u_v,
-        angle_rad: error.angle_rad,
-    });
+    let bound = sources.single.as_ref().map(|single| &single.bound);
     println!(
         "{}",
         json_text(&SourceResult {
@@ -135,8 +128,45 @@ fn answer(
             source_sha256,
             order: file.order,
             period_s: file.period_s,
-            single_error,
+            single_error: sources.single.as_ref().map(|single| error_result(&single.error)),
+            single_bound: bound.and_then(|bound| bound.as_ref().ok()).map(bound_result),
+            no_bound: bound.and_then(|bound| bound.as_ref().err()).map(ToString::to_string),
             unverified,
         })
     );
+}
+
+fn tell_single(single: &SingleFigures) {
+    let error = &single.error;
+    println!(
+        "f32 against f64 over {} ticks: voltage {:.2e} V, {:.2e} V under the switched law, angles {:.2e} rad at most",
+        error.ticks, error.voltage_v, error.switched_voltage_v, error.angle_rad
+    );
+    match &single.bound {
+        Ok(bound) => println!(
+            "round the nominal loop, for references within {:.4} rad: never more than voltage {:.2e} V, u {:.2e} V, tip {:.2e} rad",
+            bound.reference_rad, bound.voltage_v, bound.u_v, bound.tip_rad
+        ),
+        Err(why) => println!("round the nominal loop: no bound, for {why}"),
+    }
+}
+
+fn error_result(error: &SingleError) -> SingleErrorResult {
+    SingleErrorResult {
+        ticks: error.ticks,
+        voltage_v: error.voltage_v,
+        switched_voltage_v: error.switched_voltage_v,
+        u_v: error.u_v,
+        angle_rad: error.angle_rad,
+    }
+}
+
+fn bound_result(bound: &SingleBound) -> SingleBoundResult {
+    SingleBoundResult {
+        reference_rad: bound.reference_rad,
+        deflection_rad: bound.deflection_rad,
+        voltage_v: bound.voltage_v,
+        u_v: bound.u_v,
+        tip_rad: bound.tip_rad,
+    }
 }

@@ -5,9 +5,7 @@ run_fmu.py unit.fmu test_vectors.c PERIOD_S --build   of a unit without a binary
 """
 
 import os
-import re
 import shutil
-import struct
 import sys
 
 import fmpy
@@ -17,6 +15,8 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
+
+from vectors import bits, parsed
 
 OUTPUTS = "voltage_v u_v smoothed_rad y_rad y_model_rad error_rad".split()
 INPUTS = "reference_rad theta_rad alpha_rad".split()
@@ -29,31 +29,6 @@ numbers = [references[name] for name in settings_names if name != "settings.law"
 law, fault = references["settings.law"], references["fault"]
 is_3 = description.fmiVersion.startswith("3")
 said = []
-
-
-def bits(values):
-    return [struct.pack("<d", value) for value in values]
-
-
-def read(text):
-    text = text.strip()
-    return float(text.lower().replace("infinity", "inf")) if text[-1] in "YN" else float.fromhex(text)
-
-
-def parsed(path):
-    """Settings as (numbers, law); ticks as (settings, reset, fault, inputs, answers)."""
-    text = re.sub(r"/\*.*?\*/", "", open(path).read(), flags=re.S)
-    first, second = text.split("_vectors[", 1)
-    laws = {"NONE": 0, "SWITCHED": 1, "INVERSE": 2}
-    found = []
-    for block in re.findall(r"\n    \{\n(.*?)\n    \},", first.split("= {", 1)[1], flags=re.S):
-        words = [word for word in re.split(r"[\s,{}]+", block) if word]
-        found.append(([read(word) for word in words if "LAW" not in word], laws[words[8].rsplit("_", 1)[1]]))
-    ticks = []
-    for head, inputs, answers in re.findall(r"\{(\d+, \d+, \d+), \{(.*?)\},\s*\{(.*?)\}\}", second, flags=re.S):
-        row = [[read(word) for word in part.split(",")] for part in (inputs, answers)]
-        ticks.append((*map(int, head.split(",")), *row))
-    return found, ticks
 
 
 def log(*arguments):
