@@ -39,6 +39,7 @@ mod order;
 mod output_map;
 pub mod physical;
 mod projection;
+pub mod refine;
 mod scaling;
 mod singular;
 pub mod structured;

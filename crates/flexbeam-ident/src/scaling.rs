@@ -38,6 +38,11 @@ impl Scaling {
     pub fn apply(&self, data: &Mat) -> Mat {
         Mat::from_fn(data.nrows(), data.ncols(), |k, c| (data[(k, c)] - self.mean[c]) / self.scale[c])
     }
+
+    /// The same for channels x samples.
+    pub fn apply_rows(&self, data: &Mat) -> Mat {
+        Mat::from_fn(data.nrows(), data.ncols(), |c, k| (data[(c, k)] - self.mean[c]) / self.scale[c])
+    }
 }
 
 /// The power of two next below x > 0.
