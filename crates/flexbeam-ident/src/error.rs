@@ -107,6 +107,15 @@ pub enum Error {
         /// Smallest over largest singular value.
         reciprocal: f64,
     },
+    /// A model whose simulated output overflows has no residuals to make smaller.
+    #[error(
+        "the model's simulated output overflows within {samples} samples: nothing to refine; hint: another --order, \
+         more --block-rows, or a shorter part of the recording"
+    )]
+    Overflow {
+        /// Samples of the recording.
+        samples: usize,
+    },
     /// The least squares of the physical parameters left the range where the model means something.
     #[error("the physical parameters did not settle after {iterations} iterations: last relative step {step:.1e}")]
     NotSettled {

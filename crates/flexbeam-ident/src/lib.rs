@@ -44,6 +44,7 @@ mod order;
 mod output_map;
 pub mod physical;
 mod projection;
+pub mod refine;
 mod samples;
 mod scaling;
 mod singular;

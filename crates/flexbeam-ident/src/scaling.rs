@@ -35,4 +35,9 @@ impl Scaling {
     pub fn part(&self, channels: std::ops::Range<usize>) -> Scaling {
         Scaling { mean: self.mean[channels.clone()].to_vec(), scale: self.scale[channels].to_vec() }
     }
+
+    /// The same for channels x samples.
+    pub fn apply_rows(&self, data: &Mat) -> Mat {
+        Mat::from_fn(data.nrows(), data.ncols(), |c, k| (data[(c, k)] - self.mean[c]) / self.scale[c])
+    }
 }
