@@ -33,6 +33,7 @@
 pub mod breakaway;
 mod error;
 pub mod excitation;
+pub mod friction;
 mod hankel;
 pub mod identify;
 mod order;
