@@ -4,6 +4,7 @@
 //! Deliberately absent: the simulator's friction constants, which a real rig does not publish.
 
 use crate::Error;
+use crate::friction::Estimate;
 
 /// One revolution of the load shaft in encoder counts.
 const COUNTS: f64 = 4096.0;
@@ -15,6 +16,17 @@ const RAMP_SHARE: f64 = 0.04;
 const STATIONARY_ERROR_RAD: f64 = 0.15 * std::f64::consts::PI / 180.0;
 /// The switched law sticks when eps_u is below u_p or u_p below the breakaway, crawls when just above, and swings when well above.
 const SWITCHED_MARGIN: f64 = 1.15;
+
+/// Ramps a direction for a standard error.
+const FEWEST_RAMPS: usize = 2;
+/// Degrees of freedom beyond which Student's t is Gauss's.
+const MOST_FREEDOM: f64 = 1000.0;
+/// Counts of the parabola: a second of the default ramp on the paper's rig.
+const ONSET_COUNTS: usize = 12;
+/// Starts of the parabola within a count that are tried.
+const STARTS: i32 = 48;
+/// A ramp begins below this part of its peak; a run at constant voltage does not.
+const RAMP_START: f64 = 0.2;
 
 /// When the hub counts as moving.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,6 +132,51 @@ impl Breakaway {
     }
 }
 
+/// Breakaway voltages of repeated slow ramps, each with its standard error.
+///
+/// Each ramp's onset is where a parabola through its first counts begins, t_n = t_0 + q sqrt(n - 1/2 - d) with the rest d counts
+/// above the middle of its count: [`breakaway`]'s delay is gone. The standard error joins the scatter of the ramps and
+/// a rectangle of `step_v`, the resolution of the converter (0 where it is not known), which no repetition shows.
+///
+/// Returns: forward, and backward as a negative voltage.
+/// Errors: those of [`breakaway`]; [`Error::TooFewRamps`] below two ramps a direction.
+/// Source: JCGM 100 (GUM), 4.3.7 and G.4.1 for the joint error and its degrees of freedom.
+pub fn repeated(
+    voltage_v: &[f64],
+    theta_rad: &[f64],
+    period_s: f64,
+    detection: &Detection,
+    step_v: f64,
+) -> Result<[Estimate; 2], Error> {
+    if voltage_v.len() != theta_rad.len() {
+        return Err(Error::Length { inputs: voltage_v.len(), outputs: theta_rad.len() });
+    }
+    let hold = ((detection.hold_s / period_s).round() as usize).max(1);
+    let one_way = |sign, direction| {
+        let onsets = Ramp { voltage_v, theta_rad, sign, direction, hold, detection }.onsets_v(period_s)?;
+        joint(&onsets, step_v, direction)
+    };
+    Ok([one_way(1.0, "forward")?, one_way(-1.0, "backward")?])
+}
+
+fn joint(onsets_v: &[f64], step_v: f64, direction: &'static str) -> Result<Estimate, Error> {
+    let found = onsets_v.len();
+    if found < FEWEST_RAMPS {
+        return Err(Error::TooFewRamps { direction, found, needed: FEWEST_RAMPS });
+    }
+    let n = found as f64;
+    let value = onsets_v.iter().sum::<f64>() / n;
+    let by_scatter = onsets_v.iter().map(|v| (v - value).powi(2)).sum::<f64>() / (n * (n - 1.0));
+    let by_converter = step_v * step_v / 12.0;
+    // Welch and Satterthwaite; the rectangle is known and has endless degrees of freedom.
+    let freedom = (n - 1.0) * ((by_scatter + by_converter) / by_scatter).powi(2);
+    Ok(Estimate {
+        value,
+        standard_error: (by_scatter + by_converter).sqrt(),
+        freedom: freedom.min(MOST_FREEDOM) as usize,
+    })
+}
+
 /// One direction of the test.
 struct Ramp<'a> {
     voltage_v: &'a [f64],
@@ -132,32 +189,85 @@ struct Ramp<'a> {
 
 impl Ramp<'_> {
     fn last_at_rest(&self) -> Result<usize, Error> {
-        let ramp = self.longest_stretch();
-        let reached_v = self.voltage_v[ramp.clone()].iter().map(|v| v.abs()).fold(0.0, f64::max);
-        let never = Error::NeverMoved { direction: self.direction, reached_v };
+        self.last_at_rest_of(self.longest_stretch())
+    }
+
+    fn last_at_rest_of(&self, ramp: std::ops::Range<usize>) -> Result<usize, Error> {
+        let never = Error::NeverMoved { direction: self.direction, reached_v: self.reached_v(&ramp) };
         if ramp.is_empty() {
             return Err(never);
         }
         let rest = self.theta_rad[ramp.start];
         self.expect_rest(ramp.start, rest)?;
-        let away = |k: usize| self.sign * (self.theta_rad[k] - rest) / self.detection.resolution_rad;
         // Rounding of the angle must not hide a whole count.
-        let far = |k: usize| away(k) > self.detection.counts - 0.25;
-        let last = self.theta_rad.len() - self.hold;
+        let far = |k: usize| self.away(k, rest) > self.detection.counts - 0.25;
+        let last = self.theta_rad.len().saturating_sub(self.hold);
         let moving = ramp.clone().take_while(|&k| k <= last).find(|&k| (k..k + self.hold).all(far)).ok_or(never)?;
-        Ok((ramp.start..moving).rev().find(|&k| away(k) < 0.5).unwrap_or(ramp.start))
+        Ok((ramp.start..moving).rev().find(|&k| self.away(k, rest) < 0.5).unwrap_or(ramp.start))
+    }
+
+    /// Counts from the rest, in the direction of the voltage.
+    fn away(&self, k: usize, rest: f64) -> f64 {
+        self.sign * (self.theta_rad[k] - rest) / self.detection.resolution_rad
+    }
+
+    fn reached_v(&self, ramp: &std::ops::Range<usize>) -> f64 {
+        self.voltage_v[ramp.clone()].iter().map(|v| v.abs()).fold(0.0, f64::max)
+    }
+
+    /// Voltage at the onset of each slow ramp that moved the hub.
+    ///
+    /// Errors: no ramp of this sign moved it; it did not rest before one.
+    fn onsets_v(&self, period_s: f64) -> Result<Vec<f64>, Error> {
+        let ramps: Vec<_> = self.stretches().into_iter().filter(|ramp| self.is_ramp(ramp)).collect();
+        let mut onsets = Vec::new();
+        let mut reached = 0.0_f64;
+        for ramp in &ramps {
+            match self.last_at_rest_of(ramp.clone()) {
+                Ok(last) => onsets.push(self.voltage_v[self.onset(ramp, last, period_s)]),
+                Err(Error::NeverMoved { reached_v, .. }) => reached = reached.max(reached_v),
+                Err(error) => return Err(error),
+            }
+        }
+        if onsets.is_empty() {
+            Err(Error::NeverMoved { direction: self.direction, reached_v: reached })
+        } else {
+            Ok(onsets)
+        }
+    }
+
+    fn is_ramp(&self, ramp: &std::ops::Range<usize>) -> bool {
+        self.voltage_v[ramp.start].abs() < RAMP_START * self.reached_v(ramp)
+    }
+
+    /// Sample at which the parabola through the first counts begins; not after the last sample at rest.
+    fn onset(&self, ramp: &std::ops::Range<usize>, last_at_rest: usize, period_s: f64) -> usize {
+        let rest = self.theta_rad[ramp.start];
+        let crossing = |n: usize| {
+            let past = (last_at_rest..ramp.end).find(|&k| self.away(k, rest) > n as f64 - 0.25)?;
+            Some((past - last_at_rest) as f64 * period_s)
+        };
+        let crossings_s: Vec<f64> = (1..=ONSET_COUNTS).map_while(crossing).collect();
+        let starts = (1 - STARTS / 2..STARTS / 2).map(|k| f64::from(k) / f64::from(STARTS));
+        let best = starts.map(|start| start_of_parabola(&crossings_s, start)).min_by(|a, b| a.1.total_cmp(&b.1));
+        let before = best.map_or(0.0, |(t_s, _)| (-t_s / period_s).max(0.0));
+        last_at_rest.saturating_sub(before.round() as usize).max(ramp.start)
+    }
+
+    fn stretches(&self) -> Vec<std::ops::Range<usize>> {
+        let (mut found, mut start) = (Vec::new(), 0);
+        for part in self.voltage_v.chunk_by(|a, b| (self.sign * a > 0.0) == (self.sign * b > 0.0)) {
+            if self.sign * part[0] > 0.0 {
+                found.push(start..start + part.len());
+            }
+            start += part.len();
+        }
+        found
     }
 
     fn longest_stretch(&self) -> std::ops::Range<usize> {
-        let (mut longest, mut start) = (0..0, 0);
-        for (k, v) in self.voltage_v.iter().enumerate() {
-            if !(self.sign * v > 0.0) {
-                start = k + 1;
-            } else if k + 1 - start > longest.len() {
-                longest = start..k + 1;
-            }
-        }
-        longest
+        // Of several as long the first, which is the last in reverse.
+        self.stretches().into_iter().rev().max_by_key(|stretch| stretch.len()).unwrap_or_default()
     }
 
     /// At rest within one count for the hold time before the ramp.
@@ -168,6 +278,22 @@ impl Ramp<'_> {
             Some(sample) => Err(Error::NotAtRest { voltage_v: self.voltage_v[sample], sample }),
         }
     }
+}
+
+/// t_0 of t_n = t_0 + q sqrt(n - 1/2 - start), n = 1, 2 .., by least squares, and the sum of squares that is left [s^2].
+fn start_of_parabola(crossings_s: &[f64], start: f64) -> (f64, f64) {
+    let root = |k: usize| (k as f64 + 0.5 - start).sqrt();
+    let n = crossings_s.len() as f64;
+    let (x, y) = ((0..crossings_s.len()).map(root).sum::<f64>() / n, crossings_s.iter().sum::<f64>() / n);
+    let (mut xx, mut xy) = (0.0, 0.0);
+    for (k, t) in crossings_s.iter().enumerate() {
+        xx += (root(k) - x).powi(2);
+        xy += (root(k) - x) * (t - y);
+    }
+    let q = if xx > 0.0 { xy / xx } else { 0.0 };
+    let t_0 = y - q * x;
+    let left = crossings_s.iter().enumerate().map(|(k, t)| (t - t_0 - q * root(k)).powi(2)).sum();
+    (t_0, left)
 }
 
 #[cfg(test)]

@@ -164,6 +164,50 @@ pub enum Error {
         /// Re-estimates made.
         replicates: usize,
     },
+    /// Too few slow ramps that moved the hub.
+    #[error("found {found} slow ramps that moved the hub {direction}, needed {needed} for a standard error")]
+    TooFewRamps {
+        /// `forward` or `backward`.
+        direction: &'static str,
+        /// Ramps found.
+        found: usize,
+        /// Ramps needed.
+        needed: usize,
+    },
+    /// Too few runs at constant speed one way.
+    #[error("found {found} runs at constant voltage and speed {direction}, needed {needed}")]
+    TooFewRuns {
+        /// `forward` or `backward`.
+        direction: &'static str,
+        /// Runs found.
+        found: usize,
+        /// Runs needed.
+        needed: usize,
+    },
+    /// All runs at about the same speed.
+    #[error("the runs turn at {slowest:.3} to {fastest:.3} rad/s, needed a fastest at least twice the slowest")]
+    OneSpeed {
+        /// Slowest run [rad/s].
+        slowest: f64,
+        /// Fastest run [rad/s].
+        fastest: f64,
+    },
+    /// The speeds of the runs do not part the numbers of the line.
+    #[error("the speeds of the runs do not part slope and dry friction: reciprocal condition {reciprocal:.1e}")]
+    SpeedsAlike {
+        /// Smallest over largest singular value.
+        reciprocal: f64,
+    },
+    /// The hub never slid at 0 V: dead zone and Coulomb torque act as one.
+    #[error("found {forward} runs cut to 0 V that coast forward and {backward} backward, needed {needed} each way")]
+    NoCoast {
+        /// Runs whose windows see the hub slide forward without voltage.
+        forward: usize,
+        /// The same backward.
+        backward: usize,
+        /// Runs needed.
+        needed: usize,
+    },
     /// A question about the linear system had no answer.
     #[error(transparent)]
     Linear(#[from] flexbeam_lti::Error),

@@ -37,6 +37,7 @@ mod double;
 mod error;
 pub mod excitation;
 mod fourier;
+pub mod friction;
 mod hankel;
 pub mod identify;
 mod modal;
