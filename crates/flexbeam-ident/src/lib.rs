@@ -31,12 +31,14 @@
 //! ```
 
 pub mod breakaway;
+mod columns;
 mod correlation;
 mod double;
 mod error;
 pub mod excitation;
 mod hankel;
 pub mod identify;
+mod lanes;
 mod modal;
 mod order;
 mod output_map;
