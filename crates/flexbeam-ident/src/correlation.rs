@@ -9,6 +9,6 @@ mod kernel;
 mod record;
 mod rounding;
 
-pub(crate) use channels::Channels;
+pub(crate) use channels::{Channels, NotFinite};
 pub(crate) use gram::Gram;
-pub(crate) use record::{NotFinite, Record};
+pub(crate) use record::Record;

@@ -133,6 +133,10 @@ pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Resul
     let all = Channels::of_rows(&inputs.data).beside(Channels::of_rows(&outputs.data));
     let mut record = Record::new(m + l, i);
     record.absorb(&all.part(0..s), 1).map_err(|bad| not_finite(inputs, outputs, bad))?;
+    let rest = s..all.samples();
+    if let Some(bad) = all.part(rest.clone()).not_finite() {
+        return Err(not_finite(inputs, outputs, NotFinite { sample: s + bad.sample, ..bad }));
+    }
     let (scaling, gram) = Scaling::of(record.finish(), options.remove_mean);
     let samples = |range| Samples { channels: all.part(range), scaling: &scaling, m };
 
@@ -144,7 +148,6 @@ pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Resul
     let time = Time::Sampled { period_s: inputs.period_s };
     let (scaled, initial_state, estimation_fit_percent) =
         system(&factor, &gamma, options.method, &samples(0..s), time)?; // (16), (17)
-    let rest = s..all.samples();
     let fit_percent = if rest.is_empty() { None } else { Some(samples(rest).fit_percent(&scaled)?) };
     let (input_scaling, output_scaling) = (scaling.part(0..m), scaling.part(m..m + l));
     let model = unscaled(&scaled, &input_scaling, &output_scaling)?;
@@ -239,7 +242,7 @@ fn check(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<(), E
     Ok(())
 }
 
-/// Channels on both sides, recorded in step, all samples finite.
+/// Channels on both sides, recorded in step.
 pub(crate) fn expect_together(inputs: &Signals, outputs: &Signals) -> Result<(), Error> {
     if inputs.channels() == 0 || outputs.channels() == 0 {
         return Err(Error::NoChannel { inputs: inputs.channels(), outputs: outputs.channels() });
@@ -252,8 +255,13 @@ pub(crate) fn expect_together(inputs: &Signals, outputs: &Signals) -> Result<(),
     if axes[0].common(axes[1]).is_err() {
         return Err(Error::Period { input_s, output_s });
     }
-    expect_finite(inputs)?;
-    expect_finite(outputs)
+    Ok(())
+}
+
+/// All samples finite.
+pub(crate) fn expect_finite(inputs: &Signals, outputs: &Signals) -> Result<(), Error> {
+    let all = Channels::of_rows(&inputs.data).beside(Channels::of_rows(&outputs.data));
+    all.not_finite().map_or(Ok(()), |bad| Err(not_finite(inputs, outputs, bad)))
 }
 
 fn not_finite(inputs: &Signals, outputs: &Signals, bad: NotFinite) -> Error {
@@ -261,17 +269,6 @@ fn not_finite(inputs: &Signals, outputs: &Signals, bad: NotFinite) -> Error {
     let (signals, row) = if bad.channel < m { (inputs, bad.channel) } else { (outputs, bad.channel - m) };
     let value = signals.data[(row, bad.sample)];
     Error::NotFinite { channel: signals.names[row].clone(), sample: bad.sample, value }
-}
-
-fn expect_finite(signals: &Signals) -> Result<(), Error> {
-    match signals.data.iter().position(|x| !x.is_finite()) {
-        None => Ok(()),
-        Some(k) => {
-            let (channel, sample) = (k % signals.channels(), k / signals.channels());
-            let channel = signals.names[channel].clone();
-            Err(Error::NotFinite { channel, sample, value: signals.data[k] })
-        }
-    }
 }
 
 /// Whole samples of the estimating part.

@@ -32,6 +32,7 @@
 
 pub mod bound;
 pub mod breakaway;
+mod columns;
 mod correlation;
 mod double;
 mod error;
@@ -40,6 +41,7 @@ mod fourier;
 pub mod friction;
 mod hankel;
 pub mod identify;
+mod lanes;
 mod modal;
 mod order;
 mod output_map;

@@ -2,6 +2,16 @@
 
 use flexbeam_lti::Mat;
 
+use crate::lanes::{Kernel, LANES, Lanes, on_widest};
+
+/// A sample that is infinite or not a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct NotFinite {
+    pub channel: usize,
+    /// Sample, from 0, of the stretch that was looked at.
+    pub sample: usize,
+}
+
 /// Channels of one stretch of samples.
 #[derive(Clone)]
 pub(crate) struct Channels<'a> {
@@ -67,28 +77,68 @@ impl<'a> Channels<'a> {
         }
     }
 
+    /// The first sample that is not finite.
+    pub fn not_finite(&self) -> Option<NotFinite> {
+        if (0..self.count()).all(|c| self.largest(c, 0..self.samples, 0.0).is_finite()) {
+            return None;
+        }
+        let bad = |sample: usize| (0..self.count()).find(|&channel| !self.at(channel, sample).is_finite());
+        (0..self.samples).find_map(|sample| bad(sample).map(|channel| NotFinite { channel, sample }))
+    }
+
     /// Largest |x - offset| of these samples of one channel; not finite if one of them is not.
     pub fn largest(&self, channel: usize, range: std::ops::Range<usize>, offset: f64) -> f64 {
-        const LANES: usize = 8;
         let (data, stride) = self.channels[channel];
         assert!(range.end <= self.samples, "{} samples", self.samples);
-        let mut largest = [0.0; LANES];
-        // Infinities and NaN leave NaN here; comparisons alone would pass NaN over.
-        let mut poison = [0.0; LANES];
-        let mut take = |lane: usize, x: f64| {
-            let moved: f64 = x - offset;
-            largest[lane] = if moved.abs() > largest[lane] { moved.abs() } else { largest[lane] };
-            poison[lane] += x * 0.0;
-        };
         if stride == 1 {
-            let (whole, rest) = data[range].as_chunks::<LANES>();
-            whole.iter().for_each(|eight| (0..LANES).for_each(|lane| take(lane, eight[lane])));
-            rest.iter().for_each(|x| take(0, *x));
-        } else if !range.is_empty() {
-            let data = data[range.start * stride..].iter().step_by(stride).take(range.len());
-            data.for_each(|x| take(0, *x));
+            return on_widest(Largest { data: &data[range], offset });
         }
-        largest.iter().copied().fold(0.0, f64::max) + poison.iter().sum::<f64>()
+        let data = data.get(range.start * stride..).unwrap_or(&[]);
+        let data = data.iter().step_by(stride).take(range.len());
+        let (mut largest, mut poison) = (0.0, 0.0);
+        for x in data {
+            let moved: f64 = (x - offset).abs();
+            largest = if moved > largest { moved } else { largest };
+            poison += x * 0.0;
+        }
+        largest + poison
+    }
+}
+
+/// Largest |x - offset|; NaN when an x is infinite or NaN, which comparisons alone would pass over.
+#[derive(Clone)]
+struct Largest<'a> {
+    data: &'a [f64],
+    offset: f64,
+}
+
+impl Kernel for Largest<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f64 {
+        let nothing = L::splat(0.0);
+        let (mut largest, mut poison) = (nothing, nothing);
+        let offset = L::splat(self.offset);
+        let whole = self.data.len() - self.data.len() % LANES;
+        let mut k = 0;
+        while k < whole {
+            let x = L::load(&self.data[k..]);
+            largest = x.minus(offset).largest_magnitude(largest);
+            poison = x.times_plus(nothing, poison);
+            k += LANES;
+        }
+        let mut most = 0.0;
+        for x in largest.to_array() {
+            most = if x > most { x } else { most };
+        }
+        let mut poison = poison.total();
+        for x in &self.data[whole..] {
+            let moved = (x - self.offset).abs();
+            most = if moved > most { moved } else { most };
+            poison += x * 0.0;
+        }
+        most + poison
     }
 }
 

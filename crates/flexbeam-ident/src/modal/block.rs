@@ -5,12 +5,11 @@
 
 use flexbeam_lti::C64;
 
-pub(super) const LANES: usize = 8;
+use crate::lanes::{Kernel, LANES, Lanes};
+
 const STEPS: usize = 64;
 /// Samples of a block.
 pub(super) const BLOCK: usize = LANES * STEPS;
-
-type Lanes = [f64; LANES];
 
 /// Columns of one block.
 pub(super) struct Block {
@@ -54,87 +53,73 @@ impl Block {
     }
 }
 
-/// w(k+1) = z w(k) + u(k) from `state` on, into `re` and, for a complex pole, `im`; returns the state after the block.
-///
-/// `u` None: no input.
-pub(super) fn filter(z: C64, state: C64, u: Option<&[f64]>, re: &mut [f64], im: Option<&mut [f64]>) -> C64 {
-    #[cfg(target_arch = "x86_64")]
-    if is_x86_feature_detected!("avx512f") {
-        // SAFETY: the feature was found on this processor in the line above.
-        return unsafe { filter_avx512(z, state, u, re, im) };
-    } else if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-        // SAFETY: the two features were found on this processor in the line above.
-        return unsafe { filter_avx2(z, state, u, re, im) };
-    }
-    walk::<false>(z, state, u, re, im)
+/// w(k+1) = z w(k) + u(k) from `state` on, into `re` and, for a complex pole, `im`; leaves the state after the block.
+pub(super) struct Filter<'a, 'b> {
+    pub z: C64,
+    pub state: C64,
+    /// None: no input.
+    pub u: Option<&'a [f64]>,
+    pub re: &'b mut [f64],
+    /// None: the pole is real, and so is the state.
+    pub im: Option<&'b mut [f64]>,
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
-fn filter_avx512(z: C64, state: C64, u: Option<&[f64]>, re: &mut [f64], im: Option<&mut [f64]>) -> C64 {
-    walk::<true>(z, state, u, re, im)
-}
+impl Kernel for Filter<'_, '_> {
+    type Output = C64;
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn filter_avx2(z: C64, state: C64, u: Option<&[f64]>, re: &mut [f64], im: Option<&mut [f64]>) -> C64 {
-    walk::<true>(z, state, u, re, im)
-}
-
-#[inline(always)]
-fn walk<const FUSED: bool>(z: C64, state: C64, u: Option<&[f64]>, re: &mut [f64], im: Option<&mut [f64]>) -> C64 {
-    // What 64 samples make of a state.
-    let far = (0..6).fold(z, |power, _| power * power);
-    let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
-    if let Some(u) = u {
-        let (drive, _) = u.as_chunks::<LANES>();
-        for u in drive {
-            (x, y) = step::<FUSED>(z, x, y, u);
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> C64 {
+        let Filter { z, state, u, re, im } = self;
+        let (real, up, down) = (L::splat(z.re), L::splat(z.im), L::splat(-z.im));
+        let nothing = L::splat(0.0);
+        let (mut x, mut y) = (nothing, nothing);
+        if let Some(u) = u {
+            let u = &u[..BLOCK];
+            for t in 0..STEPS {
+                let drive = L::load(&u[t * LANES..]);
+                let next = real.times_plus(x, down.times_plus(y, drive));
+                y = real.times_plus(y, up.times(x));
+                x = next;
+            }
         }
-    }
-    let mut start = state;
-    for lane in 0..LANES {
-        let rest = C64::new(x[lane], y[lane]);
-        (x[lane], y[lane]) = (start.re, start.im);
-        start = far * start + rest;
-    }
-    let nothing = [0.0; LANES];
-    let drive: &[Lanes] = u.map_or(&[], |u| u.as_chunks::<LANES>().0);
-    let (re, _) = re.as_chunks_mut::<LANES>();
-    if let Some(im) = im {
-        let (im, _) = im.as_chunks_mut::<LANES>();
-        for t in 0..STEPS {
-            (re[t], im[t]) = (x, y);
-            (x, y) = step::<FUSED>(z, x, y, drive.get(t).unwrap_or(&nothing));
+        let (mut starts_re, mut starts_im) = (x.to_array(), y.to_array());
+        // What 64 samples make of a state.
+        let mut far = z;
+        for _ in 0..6 {
+            far *= far;
         }
-    } else {
-        for t in 0..STEPS {
-            re[t] = x;
-            (x, y) = step::<FUSED>(z, x, y, drive.get(t).unwrap_or(&nothing));
+        let mut start = state;
+        for lane in 0..LANES {
+            let rest = C64::new(starts_re[lane], starts_im[lane]);
+            (starts_re[lane], starts_im[lane]) = (start.re, start.im);
+            start = far * start + rest;
         }
+        (x, y) = (L::load(&starts_re), L::load(&starts_im));
+        let re = &mut re[..BLOCK];
+        if let Some(im) = im {
+            let im = &mut im[..BLOCK];
+            for t in 0..STEPS {
+                x.store(&mut re[t * LANES..]);
+                y.store(&mut im[t * LANES..]);
+                let drive = u.map_or(nothing, |u| L::load(&u[t * LANES..]));
+                let next = real.times_plus(x, down.times_plus(y, drive));
+                y = real.times_plus(y, up.times(x));
+                x = next;
+            }
+        } else {
+            for t in 0..STEPS {
+                x.store(&mut re[t * LANES..]);
+                x = real.times_plus(x, u.map_or(nothing, |u| L::load(&u[t * LANES..])));
+            }
+        }
+        start
     }
-    start
-}
-
-/// z (x + j y) + u, lane by lane.
-#[inline(always)]
-fn step<const FUSED: bool>(z: C64, x: Lanes, y: Lanes, u: &Lanes) -> (Lanes, Lanes) {
-    let (mut re, mut im) = ([0.0; LANES], [0.0; LANES]);
-    for lane in 0..LANES {
-        re[lane] = fused::<FUSED>(z.re, x[lane], fused::<FUSED>(-z.im, y[lane], u[lane]));
-        im[lane] = fused::<FUSED>(z.re, y[lane], z.im * x[lane]);
-    }
-    (re, im)
-}
-
-#[inline(always)]
-fn fused<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
-    if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::{Plain, on_widest};
 
     /// Sample by sample in order of time, for a real and a complex pole, driven and not.
     #[test]
@@ -149,9 +134,11 @@ mod tests {
                     let (u, rest) = block.columns.split_at_mut(BLOCK);
                     let (re, im) = rest.split_at_mut(BLOCK);
                     let before = state;
-                    state = filter(z, before, driven.then_some(u), re, Some(im));
+                    let u = driven.then_some(&*u);
+                    state = on_widest(Filter { z, state: before, u, re, im: Some(im) });
                     let mut plain = vec![0.0; BLOCK];
-                    let plain_end = walk::<false>(z, before, driven.then_some(u), &mut plain, None);
+                    let kernel = Filter { z, state: before, u, re: &mut plain, im: (z.im != 0.0).then_some(im) };
+                    let plain_end = kernel.run::<Plain>();
                     assert!((plain_end - state).norm() < 1e-13);
                     for k in 0..BLOCK {
                         let place = k % STEPS * LANES + k / STEPS;

@@ -4,11 +4,12 @@
 
 use flexbeam_lti::{C64, Mat, Vector};
 
-use super::block::{BLOCK, Block, filter};
+use super::block::{BLOCK, Block, Filter};
 use super::modes::Modes;
+use crate::columns::Columns;
 use crate::correlation::Channels;
 use crate::double::Double;
-use crate::triangle::{gram_of_columns, products_with, take_away};
+use crate::lanes::on_widest;
 
 /// How far a mode may grow within the record: beyond this, what earlier samples say drowns.
 const LARGEST_GROWTH: f64 = 1e6;
@@ -284,7 +285,7 @@ impl Responses<'_> {
                 return;
             }
             let weight = if first { 1.0 } else { every as f64 };
-            gram_of_columns(&block.columns, BLOCK, alive, &mut found);
+            Columns { data: &block.columns, rows: BLOCK, alive }.gram(&mut found);
             for c in (0..q).filter(|c| alive[*c]) {
                 for r in (c..q).filter(|r| alive[*r]) {
                     sums[c * q + r] += Double::new(found[c * q + r] * weight);
@@ -308,9 +309,10 @@ impl Responses<'_> {
                 let ones = block.column(shape.ones());
                 let square = |y: (&f64, &f64)| (y.0 - means[p] * y.1).powi(2);
                 moved[p] += Double::new(rest.iter().zip(ones).map(square).sum());
-                take_away(&block.columns, BLOCK, &alive[..x], weights[p].as_slice(), &mut rest);
+                let explaining = Columns { data: &block.columns, rows: BLOCK, alive: &alive[..x] };
+                explaining.take_from(weights[p].as_slice(), &mut rest);
                 missed[p] += Double::new(rest.iter().map(|e| e * e).sum());
-                products_with(&block.columns, BLOCK, &alive[..x], &rest, &mut found);
+                explaining.products(&rest, &mut found);
                 (0..x).filter(|c| alive[*c]).for_each(|c| along[p][c] += Double::new(found[c]));
             }
         });
@@ -357,7 +359,7 @@ impl Responses<'_> {
                     *state = C64::new(0.0, 0.0);
                 } else {
                     let u = (family > 0).then(|| &recorded[(family - 1) * BLOCK..family * BLOCK]);
-                    *state = filter(z, *state, u, re, (width == 2).then_some(im));
+                    *state = on_widest(Filter { z, state: *state, u, re, im: (width == 2).then_some(im) });
                 }
                 alive[column..column + width].fill(!faded);
                 column += width;
