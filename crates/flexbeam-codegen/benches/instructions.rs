@@ -1,15 +1,16 @@
-//! Instructions of one tick, counted by callgrind: the kernel, the generated C, the generated Rust, the functional mock-up unit. Counts do
-//! not depend on how busy the machine is.
+//! Instructions of one tick, counted by callgrind: the kernel, the generated C, the generated Rust, the functional mock-up unit; and of one
+//! period of the rig: flexbeam-rig, the generated C. Counts do not depend on how busy the machine is.
 //!
-//! Prints a table. Needs valgrind, gcc, clang and rustc.
+//! Prints two tables. Needs valgrind, gcc, clang and rustc.
 
 #[path = "../tests/support/mod.rs"]
 mod support;
 
 use flexbeam_codegen::fmu::{SOURCES, Version, unit};
-use flexbeam_codegen::{Name, Precision, Subject};
+use flexbeam_codegen::{Name, Precision, RigSubject, Sources, Subject, rig_sources};
 use flexbeam_files::Controller;
 use flexbeam_kernel::{Commanded, Controller as Kernel, Fault, Measured, Settings, State, tick};
+use flexbeam_rig::{Link, RigParameters, SimulatedRig};
 use std::path::Path;
 use std::process::Command;
 use support::{Language, SHA256, compile, named, random, settings_of, sources, succeeds, written};
@@ -17,12 +18,21 @@ use support::{Language, SHA256, compile, named, random, settings_of, sources, su
 const ORDERS: [usize; 3] = [8, 16, 32];
 const TICKS: u64 = 2000;
 
+/// Of the rig's link; 0: lumped.
+const MODES: [usize; 3] = [0, 3, 8];
+
+/// Likewise, for the rig.
+const COUNTED_MODES: &str = "FLEXBEAM_COUNTED_MODES";
+
 /// Names the order when this program runs under callgrind, as the one that is counted.
 const COUNTED: &str = "FLEXBEAM_COUNTED_ORDER";
 
 fn main() {
     if let Ok(order) = std::env::var(COUNTED) {
         return run_kernel(&controller(order.parse().expect("an order")));
+    }
+    if let Ok(modes) = std::env::var(COUNTED_MODES) {
+        return run_rig(&rig(modes.parse().expect("a number of modes")));
     }
     if Command::new("valgrind").arg("--version").output().is_err() {
         eprintln!(
@@ -66,6 +76,7 @@ fn main() {
             });
         }
     }
+    rigs();
 }
 
 /// What is counted: in each program the function that ticks once.
@@ -94,6 +105,62 @@ fn unit_in_host(order: usize, version: Version) -> (std::path::PathBuf, String) 
     let description = unit.files.iter().find(|file| file.path == "modelDescription.xml").expect("a description");
     let guid = description.text.split('"').find(|text| text.starts_with('{')).expect("a token");
     (program, guid.to_owned())
+}
+
+fn rigs() {
+    println!("\n| instructions a period (and for each multiply-add) | lumped | 3 modes | 8 modes |\n|---|---|---|---|");
+    rig_row("flexbeam-rig, rustc opt-level 3", |modes| {
+        let itself = std::env::current_exe().expect("the program that runs");
+        counted(
+            Command::new("valgrind").env(COUNTED_MODES, modes.to_string()),
+            COUNTED_TICK,
+            &[&itself.to_string_lossy()],
+        )
+    });
+    for (compiler, flag) in [("gcc", "-O2"), ("gcc", "-O3"), ("clang", "-O2")] {
+        rig_row(&format!("C, {compiler} {flag}"), |modes| {
+            let subject = RigSubject { parameters: &rig(modes), sha256: None };
+            let files = rig_sources(&subject, &Name::new("beam").expect("a name")).expect("a rig");
+            let folder =
+                written(&format!("instructions_rig_{modes}"), &Sources { files: files.into(), single_error: None });
+            std::fs::write(folder.join("count.c"), named(RIG_C)).expect("written");
+            let program = compile(compiler, &[flag], &["beam.c", "count.c"], "count", &folder);
+            counted(&mut Command::new("valgrind"), COUNTED_TICK, &[&program.to_string_lossy()])
+        });
+    }
+}
+
+/// Of a period in which nothing changes: substeps of the whole state.
+fn rig_row(name: &str, count: impl Fn(usize) -> u64) {
+    let cells = MODES.map(|modes| {
+        let n = 2 + 2 * modes.max(1);
+        let (instructions, multiply_adds) = (count(modes), 4 * n * (n + 1));
+        format!("{instructions} ({:.2})", instructions as f64 / multiply_adds as f64)
+    });
+    println!("| {name} | {} |", cells.join(" | "));
+}
+
+fn rig(modes: usize) -> RigParameters {
+    let default = RigParameters::default();
+    let Link::Modes { damping, tip_mass_kg, .. } = default.link else { unreachable!("the default link has modes") };
+    let link = if modes == 0 { Link::Lumped } else { Link::Modes { count: modes, damping, tip_mass_kg } };
+    RigParameters { link, ..default }
+}
+
+/// There and back, as the program in C does.
+fn run_rig(parameters: &RigParameters) {
+    let mut rig = SimulatedRig::new(parameters, 1).expect("a rig");
+    for k in 0..TICKS {
+        let voltage_v = if (k / 250).is_multiple_of(2) { 3.0 } else { -3.0 };
+        assert!(counted_tick_of_rig(&mut rig, voltage_v).is_finite());
+    }
+}
+
+#[inline(never)]
+fn counted_tick_of_rig(rig: &mut SimulatedRig, voltage_v: f64) -> f64 {
+    let read = rig.measure();
+    rig.apply(std::hint::black_box(voltage_v));
+    read.alpha_rad
 }
 
 fn row(name: &str, count: impl Fn(usize) -> u64) {
@@ -190,5 +257,31 @@ fn main() {
         let measured = Measured { reference_rad, theta_rad: 0.3 * reference_rad, alpha_rad: 0.01 };
         assert_eq!(counted_tick(&mut state, measured).fault, Fault::None);
     }
+}
+"#;
+
+const RIG_C: &str = r#"
+#include "NAME.h"
+
+__attribute__((noinline)) double counted_tick(struct NAME_state *state, double voltage);
+
+double counted_tick(struct NAME_state *state, double voltage)
+{
+    const struct NAME_measurement read = NAME_measure(&NAME_default_parameters, state);
+    NAME_apply(&NAME_default_parameters, state, voltage);
+    return read.alpha_rad;
+}
+
+int main(void)
+{
+    static struct NAME_state state;
+    NAME_reset(&NAME_default_parameters, &state, 1);
+    for (int k = 0; k < 2000; ++k) {
+        const double read = counted_tick(&state, k / 250 % 2 == 0 ? 3.0 : -3.0);
+        if (read != read) {
+            return 1;
+        }
+    }
+    return 0;
 }
 "#;

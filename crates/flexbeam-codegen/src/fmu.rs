@@ -57,6 +57,8 @@ struct Part {
     bits_of: &'static str,
     period_s: f64,
     variables: Vec<Variable>,
+    /// Of which parameters an output is made before the first step; of those that are left out, none.
+    made_of: &'static [(&'static str, &'static [&'static str])],
     enumerations: &'static [Enumeration],
 }
 

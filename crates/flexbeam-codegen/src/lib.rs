@@ -70,7 +70,7 @@ pub enum Error {
     },
     /// A voltage cannot be early.
     #[error(
-        "found a rig without computing delay, needed one period at least: a controller as a unit is one period late by itself\nhint: computing_delay_periods = 1 in the rig file"
+        "found a rig without computing delay, needed one period at least\nhint: computing_delay_periods = 1 in the rig file: a controller as a unit is one period late by itself"
     )]
     Delay,
     /// More than an Integer of FMI 2.0 holds.

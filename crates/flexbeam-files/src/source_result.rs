@@ -48,10 +48,12 @@ pub struct UnitResult {
     pub fmi: String,
     /// Name of the model.
     pub name: String,
-    /// The controller file.
+    /// The controller file, the rig file, or the word for the paper's rig.
     pub source: String,
-    /// Its SHA-256, in hexadecimal.
-    pub source_sha256: String,
+    /// Its SHA-256, in hexadecimal; null for a word.
+    pub source_sha256: Option<String>,
+    /// Its schema, `flexbeam.controller/1` or `flexbeam.rig/1`.
+    pub schema: String,
     /// Number of states.
     pub order: usize,
     /// Sample period, which is the step [s].

@@ -67,7 +67,7 @@ pub enum Command {
     /// The simulated rig as a process; experiments on a rig
     #[command(allow_negative_numbers = true)]
     Rig(Rig),
-    /// A recording as CSV or for MATLAB; a model or a controller for MATLAB or as JSON; a controller as C, Rust or FMU
+    /// A recording as CSV or for MATLAB; a model or a controller for MATLAB or as JSON; a controller as C, Rust or FMU; a rig as FMU
     Export(Export),
     /// What a file holds and where it came from
     Show(Show),

@@ -71,7 +71,7 @@ fn idle(arguments: &cli::Export) -> Option<Idle> {
     let of_tables = table_options(arguments).map(|(option, given)| (option, given, recording, "--as csv or mat"));
     let of_controllers = [
         ("--precision", arguments.precision.is_some(), source, "--as c or rust"),
-        ("--name", arguments.name != cli::DEFAULT_NAME, controller, "--as c, rust or fmu"),
+        ("--name", arguments.name.is_some(), controller, "--as c, rust or fmu"),
         ("--unverified", arguments.unverified.is_some(), controller, "--as c, rust or fmu"),
         ("--fmi", arguments.fmi.is_some(), &[Fmu], "--as fmu"),
         ("--sources-only", arguments.sources_only, &[Fmu], "--as fmu"),

@@ -30,6 +30,7 @@ pub(super) fn part(subject: &Subject<'_>, name: &Name) -> Result<Part, Error> {
         bits_of: "flexbeam's kernel",
         period_s: subject.controller.period_s,
         variables: all(subject.settings),
+        made_of: &[],
         enumerations: &ENUMERATIONS,
     })
 }

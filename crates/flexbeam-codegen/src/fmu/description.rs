@@ -36,7 +36,7 @@ impl Model<'_> {
                 categories(),
                 self.experiment(),
                 listed("ModelVariables", variables.iter().map(variable_2)),
-                structure_2(variables),
+                structure_2(self.part),
             ],
             Version::Three => [
                 self.co_simulation_3(),
@@ -45,7 +45,7 @@ impl Model<'_> {
                 categories(),
                 self.experiment(),
                 listed("ModelVariables", std::iter::once(TIME_3.to_owned()).chain(variables.iter().map(variable_3))),
-                structure_3(variables),
+                structure_3(self.part),
             ],
         };
         format!("{}\n{}\n</fmiModelDescription>\n", self.opening(version), parts.join("\n"))
@@ -219,18 +219,33 @@ fn start_of(value: &str) -> String {
 }
 
 /// The outputs follow no input at the same instant: a host finds no algebraic loop.
-fn structure_2(variables: &[Variable]) -> String {
-    let unknown = |v: &Variable| format!("<Unknown index=\"{}\" dependencies=\"\"/>", v.reference);
-    let outputs: String = variables.iter().filter(|v| v.role == Role::Output).map(unknown).collect();
-    let lists = ["Outputs", "InitialUnknowns"].map(|list| format!("<{list}>{outputs}</{list}>"));
+fn structure_2(part: &Part) -> String {
+    let list = |name: &str, made_of: &dyn Fn(&Variable) -> String| {
+        let unknown = |v: &Variable| format!("<Unknown index=\"{}\" dependencies=\"{}\"/>", v.reference, made_of(v));
+        format!("<{name}>{}</{name}>", outputs(part).map(unknown).collect::<String>())
+    };
+    let lists = [list("Outputs", &|_| String::new()), list("InitialUnknowns", &|v| made_of(part, v))];
     listed("ModelStructure", lists.into_iter())
 }
 
 /// Likewise.
-fn structure_3(variables: &[Variable]) -> String {
-    let unknowns = |element: &'static str| {
-        let outputs = variables.iter().filter(|v| v.role == Role::Output);
-        outputs.map(move |v| format!("<{element} valueReference=\"{}\" dependencies=\"\"/>", v.reference))
+fn structure_3(part: &Part) -> String {
+    let unknown = |element: &str, v: &Variable, made_of: &str| {
+        format!("<{element} valueReference=\"{}\" dependencies=\"{made_of}\"/>", v.reference)
     };
-    listed("ModelStructure", unknowns("Output").chain(unknowns("InitialUnknown")))
+    let later = outputs(part).map(|v| unknown("Output", v, ""));
+    let initial = outputs(part).map(|v| unknown("InitialUnknown", v, &made_of(part, v)));
+    listed("ModelStructure", later.chain(initial))
+}
+
+fn outputs(part: &Part) -> impl Iterator<Item = &Variable> {
+    part.variables.iter().filter(|v| v.role == Role::Output)
+}
+
+/// References of the parameters of which an output is made before the first step.
+fn made_of(part: &Part, output: &Variable) -> String {
+    let names = part.made_of.iter().find(|(name, _)| *name == output.name).map_or(&[][..], |(_, names)| names);
+    let references =
+        part.variables.iter().filter(|v| names.contains(&v.name.as_str())).map(|v| v.reference.to_string());
+    references.collect::<Vec<_>>().join(" ")
 }

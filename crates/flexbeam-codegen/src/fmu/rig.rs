@@ -33,9 +33,16 @@ pub(super) fn part(subject: &RigSubject<'_>, name: &Name) -> Result<Part, Error>
         bits_of: "flexbeam's simulated rig",
         period_s: subject.parameters.period_s,
         variables: all(&parameters(subject.parameters)?, delay as u64, longest as u64),
+        made_of: &MADE_OF,
         enumerations: &ENUMERATIONS,
     })
 }
+
+/// At rest at 0 rad: whatever the encoder is, it shows 0.
+const MADE_OF: [(&str, &[&str]); 2] = [
+    ("alpha_rad", &["seed", "gauge.noise_rad", "gauge.bias_rad", "gauge.converter_step_rad"]),
+    ("contact", &["friction.coulomb_nm", "friction.stribeck_extra_nm"]),
+];
 
 const ENUMERATIONS: [Enumeration; 1] = [(
     "Contact",

@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 #[derive(Args, Debug)]
 pub struct Export {
     /// A recording (the MCAP file of a run, or a table) as csv or mat; a model as mat or json; a controller as mat, json, c,
-    /// rust or fmu
+    /// rust or fmu; a rig file, or the word `paper` for the paper's rig, as fmu
     pub file: PathBuf,
     /// Form to write
     #[arg(long = "as", value_enum)]
@@ -25,9 +25,9 @@ pub struct Export {
     /// Precision of a controller's arithmetic: f64 (as simulated and verified) or f32
     #[arg(long, value_enum)]
     pub precision: Option<Precision>,
-    /// Name of a controller's files, types and functions
-    #[arg(long, default_value = DEFAULT_NAME)]
-    pub name: String,
+    /// Name of the files, types and functions of a controller (`controller` by default) or a rig (`rig`)
+    #[arg(long)]
+    pub name: Option<String>,
     /// Version of the functional mock-up interface: 2 or 3
     #[arg(long, value_enum)]
     pub fmi: Option<Fmi>,
@@ -45,7 +45,14 @@ pub struct Export {
     pub json: bool,
 }
 
-/// The name of what nobody named.
+impl Export {
+    /// The name given, or this one.
+    pub fn name_or<'a>(&'a self, default: &'a str) -> &'a str {
+        self.name.as_deref().unwrap_or(default)
+    }
+}
+
+/// The name of a controller that nobody named.
 pub const DEFAULT_NAME: &str = "controller";
 
 /// Forms in which other tools read.
@@ -62,7 +69,7 @@ pub enum Form {
     C,
     /// The controller as a no_std crate, with test vectors
     Rust,
-    /// The controller as a functional mock-up unit for co-simulation: one archive with sources and a binary
+    /// A controller or a rig as a functional mock-up unit for co-simulation: one archive with sources and a binary
     Fmu,
 }
 

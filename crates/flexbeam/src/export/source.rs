@@ -34,7 +34,7 @@ struct LostInRounding(Vec<String>);
 
 pub(super) fn export(arguments: &cli::Export) -> Result<(), Failure> {
     let tried = || format!("export {}", arguments.file.display());
-    let name = Name::new(&arguments.name).map_err(Failure::while_trying(tried()))?;
+    let name = Name::new(arguments.name_or(cli::DEFAULT_NAME)).map_err(Failure::while_trying(tried()))?;
     let overwrite = if arguments.force { Overwrite::Allow } else { Overwrite::Refuse };
     check_free_folder(&arguments.out, overwrite)?;
     let file = Controller::read(&arguments.file)?;
@@ -123,7 +123,7 @@ fn answer(
                 cli::Precision::F32 => "f32",
             }
             .into(),
-            name: arguments.name.clone(),
+            name: arguments.name_or(cli::DEFAULT_NAME).into(),
             source: arguments.file.display().to_string(),
             source_sha256,
             order: file.order,

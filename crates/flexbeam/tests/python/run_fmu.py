@@ -8,14 +8,11 @@ import os
 import shutil
 import sys
 
-import fmpy
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.build import build_platform_binary
-from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave
-from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
+from fmu_instance import Instance, refused
 from vectors import bits, parsed
 
 OUTPUTS = "voltage_v u_v smoothed_rad y_rad y_model_rad error_rad".split()
@@ -28,53 +25,16 @@ settings_names = [name for name in references if name.startswith("settings.")]
 numbers = [references[name] for name in settings_names if name != "settings.law"]
 law, fault = references["settings.law"], references["fault"]
 is_3 = description.fmiVersion.startswith("3")
-said = []
 
 
-def log(*arguments):
-    said.append(arguments[-1].decode())
-
-
-class Unit:
-    """One instance, in either version of the interface."""
+class Unit(Instance):
+    """One instance of the controller."""
 
     def __init__(self, folder, name):
-        make = FMU3Slave if is_3 else FMU2Slave
-        identifier = description.coSimulation.modelIdentifier
-        self.fmu = make(guid=description.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName=name)
-        if is_3:
-            self.log = fmpy.fmi3.fmi3LogMessageCallback(log)
-            self.fmu.instantiate(logMessage=self.log)
-        else:
-            self.callbacks = fmpy.fmi2.fmi2CallbackFunctions()
-            self.callbacks.logger = fmpy.fmi2.fmi2CallbackLoggerTYPE(log)
-            self.fmu.instantiate(callbacks=self.callbacks)
-        self.start()
-
-    def start(self):
-        if is_3:
-            self.fmu.enterInitializationMode(startTime=0.0)
-        else:
-            self.fmu.setupExperiment(startTime=0.0)
-            self.fmu.enterInitializationMode()
-        self.fmu.exitInitializationMode()
-        self.time_s = 0.0
-
-    def reset(self):
-        self.fmu.reset()
-        self.start()
-
-    def set(self, variables, values):
-        (self.fmu.setFloat64 if is_3 else self.fmu.setReal)(variables, values)
-
-    def get(self, variables):
-        return (self.fmu.getFloat64 if is_3 else self.fmu.getReal)(variables)
+        super().__init__(description, folder, name)
 
     def set_law(self, value, variable=law):
-        (self.fmu.setInt64 if is_3 else self.fmu.setInteger)([variable], [value])
-
-    def get_whole(self, variable):
-        return (self.fmu.getInt64 if is_3 else self.fmu.getInteger)([variable])[0]
+        self.set_whole(variable, value)
 
     def settings(self, chosen):
         self.set(numbers, chosen[0])
@@ -88,39 +48,8 @@ class Unit:
 
     def step(self, inputs, step_s=period_s):
         self.set([references[name] for name in INPUTS], inputs)
-        self.fmu.doStep(currentCommunicationPoint=self.time_s, communicationStepSize=step_s)
-        self.time_s += step_s
+        self.do_step(step_s)
         return self.outputs(), self.get_whole(fault)
-
-    def memory(self):
-        return self.fmu.getFMUState() if is_3 else self.fmu.getFMUstate()
-
-    def recall(self, memory):
-        self.fmu.setFMUState(memory) if is_3 else self.fmu.setFMUstate(memory)
-
-    def free(self, memory):
-        self.fmu.freeFMUState(memory) if is_3 else self.fmu.freeFMUstate(memory)
-
-    def written(self, memory):
-        return (self.fmu.serializeFMUState if is_3 else self.fmu.serializeFMUstate)(memory)
-
-    def read(self, written):
-        return (self.fmu.deserializeFMUState if is_3 else self.fmu.deSerializeFMUstate)(written)
-
-    def end(self):
-        self.fmu.terminate()
-        self.fmu.freeInstance()
-
-
-def refused(words, call, *arguments):
-    """The call fails, and the unit says why."""
-    said.clear()
-    try:
-        call(*arguments)
-    except FMICallException:
-        assert len(said) == 1 and words in said[0], (words, said)
-        return
-    raise AssertionError(f"not refused: {words}")
 
 
 def same(found, tick, place):
@@ -154,12 +83,7 @@ for k, tick in enumerate(ticks):
     if tick[1] or tick[0] != ticks[k - 1][0]:
         one.settings(choices[tick[0]])
         changes += not tick[1]
-    memory = one.memory()
-    recalled = other.read(one.written(memory))
-    one.free(memory)
-    other.fmu.reset()
-    other.recall(recalled)
-    other.free(recalled)
+    other.take_over(one)
     assert bits(other.outputs()) == bits(one.outputs()) and other.get_whole(fault) == one.get_whole(fault), k
     for instance in (one, other):
         same(instance.step(tick[3]), tick, k)
