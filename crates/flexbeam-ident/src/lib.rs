@@ -31,10 +31,13 @@
 //! ```
 
 pub mod breakaway;
+mod candidate;
 mod error;
+mod estimation;
 pub mod excitation;
 mod hankel;
 pub mod identify;
+mod integrators;
 mod order;
 mod output_map;
 pub mod physical;
@@ -42,10 +45,11 @@ mod projection;
 pub mod refine;
 mod scaling;
 mod singular;
+mod stable;
 pub mod structured;
 mod subspace;
 mod triangle;
 pub mod validate;
 
 pub use error::Error;
-pub use identify::{Identified, Method, Options, Order, identify};
+pub use identify::{Feedthrough, Identified, Method, Options, Order, Poles, identify};
