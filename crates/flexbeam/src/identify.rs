@@ -156,7 +156,7 @@ impl Found {
         let (identified, refinement) = match refine {
             None => (identified, None),
             Some(errors) => {
-                let (better, refinement) = refinement::refined(errors, experiment, &identified, sign)?;
+                let (better, refinement) = refinement::refined(errors, experiment, &identified, options, sign)?;
                 (better, Some(refinement))
             }
         };

@@ -8,7 +8,7 @@ use std::time::Instant;
 use flexbeam_files as files;
 use flexbeam_files::Rows;
 use flexbeam_ident::refine::{Errors, Progress, Reason, Refined, Settings, refine_identified};
-use flexbeam_ident::{Error, Identified};
+use flexbeam_ident::{Error, Feedthrough, Identified, Options};
 use indicatif::ProgressBar;
 use signal_hook::consts::SIGINT;
 
@@ -35,6 +35,7 @@ pub(crate) fn refined(
     errors: cli::Refinement,
     experiment: &Experiment,
     identified: &Identified,
+    options: &Options,
     sign: &ProgressBar,
 ) -> Result<(Identified, Refinement), Error> {
     let settings = Settings {
@@ -42,6 +43,10 @@ pub(crate) fn refined(
             cli::Refinement::Simulated => Errors::Simulated,
             cli::Refinement::Predicted => Errors::Predicted(None),
         },
+        integrators: options.integrators,
+        feedthrough: if options.integrators > 0 { Feedthrough::Zero } else { options.feedthrough },
+        poles: options.poles,
+        offset: options.remove_mean,
         ..Settings::default()
     };
     let start = Instant::now();
