@@ -122,6 +122,28 @@ pub struct Identification {
     pub samples: Option<usize>,
     /// Whether means were removed.
     pub remove_mean: Option<bool>,
+    /// What `--refine` did afterwards.
+    pub refinement: Option<Refinement>,
+}
+
+/// A refinement by simulated or predicted errors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Refinement {
+    /// `simulated` or `predicted`.
+    pub errors: String,
+    /// Linearisations used.
+    pub iterations: usize,
+    /// Parameters that were free, the initial state among them.
+    pub parameters: usize,
+    /// Part of the outputs missed before, 0 to 1; nothing where the start overflowed.
+    pub missed_before: Option<f64>,
+    /// Part of the outputs missed afterwards.
+    pub missed_after: f64,
+    /// Why it ended: `settled`, `rounding`, `no_descent`, `slow`, `iterations`, `asked`.
+    pub reason: String,
+    /// Innovations gain, n x l, where predicted errors were made small.
+    pub K: Option<Rows>,
 }
 
 impl Model {

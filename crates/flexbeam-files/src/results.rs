@@ -7,7 +7,7 @@ use crate::controller::Controller;
 use crate::excitation::Excitation;
 use crate::extended::Extended;
 use crate::matrices::Rows;
-use crate::model::Physical;
+use crate::model::{Physical, Refinement};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -62,8 +62,20 @@ pub struct IdentifyResult {
     pub D: Rows,
     /// State at the first sample.
     pub initial_state: Vec<f64>,
-    /// Time of the identification itself, reading apart [s].
+    /// Time of the identification itself, reading and refinement apart [s].
     pub identify_s: f64,
+    /// What `--refine` did; null without it.
+    pub refined: Option<RefinedResult>,
+}
+
+/// What `--refine` did, and how long it took.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RefinedResult {
+    /// As in the model file.
+    #[serde(flatten)]
+    pub refinement: Refinement,
+    /// Time that it took [s].
+    pub refine_s: f64,
 }
 
 /// `flexbeam design` with a controller.

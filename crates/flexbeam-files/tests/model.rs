@@ -189,6 +189,15 @@ fn full(entries: &[f64]) -> Model {
         estimate: Some(0.5),
         samples: None,
         remove_mean: Some(true),
+        refinement: Some(Refinement {
+            errors: "predicted".into(),
+            iterations: 9,
+            parameters: 14,
+            missed_before: Some(0.3),
+            missed_after: 0.1,
+            reason: "settled".into(),
+            K: Some(Rows::from(&Mat::from_row_slice(2, 1, &[0.1, -1e-9]))),
+        }),
     });
     model.provenance = Some(Provenance {
         tool: "flexbeam 0.1.0".into(),

@@ -84,6 +84,12 @@ pub enum Error {
         /// What bounds it.
         reason: &'static str,
     },
+    /// Known structure that the paper's equations have no place for.
+    #[error("the paper's equations (13)-(17) have no place for {structure}; hint: --method auto has")]
+    Structure {
+        /// What was asked for.
+        structure: &'static str,
+    },
     /// The outputs do not answer to the inputs or to any state at all.
     #[error("the outputs are constant or do not depend on the past: no state to identify")]
     NoState,

@@ -1,14 +1,15 @@
 //! Subspace identification from end to end: recording in, model out.
 
-use flexbeam_lti::{Mat, Signals, StateSpace, Time, Vector, sampling};
+use flexbeam_lti::{Signals, StateSpace, Time, Vector, sampling};
 
-use crate::correlation::{Channels, NotFinite, Record};
-use crate::hankel::factor::{Factor, samples_needed};
-use crate::projection::{Directions, directions};
-use crate::samples::{Fitted, Samples};
+use crate::correlation::{Channels, Gram, NotFinite, Record};
+use crate::estimation::{Estimate, Estimation};
+use crate::hankel::factor::samples_needed;
+use crate::projection::directions;
+use crate::samples::Samples;
 use crate::scaling::Scaling;
-use crate::validate::validate;
-use crate::{Error, order, subspace};
+use crate::validate::{Validation, validate};
+use crate::{Error, candidate, subspace};
 
 /// Weights of equation (14).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +25,7 @@ pub(crate) enum Weighting {
 /// How the system matrices are found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
-    /// What does best on real recordings: [`Method::Moesp`].
+    /// CVA, MOESP and N4SID compete on the estimating samples; [`Identified::method`] tells which one was taken.
     #[default]
     Auto,
     /// Equations (13)-(17) to the letter: state sequences. Exact without noise only.
@@ -38,7 +39,7 @@ pub enum Method {
 }
 
 impl Method {
-    fn weighting(self) -> Weighting {
+    pub(crate) fn weighting(self) -> Weighting {
         match self {
             Method::Paper | Method::N4sid => Weighting::N4sid,
             Method::Auto | Method::Moesp => Weighting::Moesp,
@@ -58,6 +59,27 @@ pub enum Order {
     Fixed(usize),
 }
 
+/// D, the part of the input that the output shows at the same sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Feedthrough {
+    /// Estimated.
+    #[default]
+    Free,
+    /// Known to be zero.
+    Zero,
+}
+
+/// Where the poles may lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Poles {
+    /// Wherever the data put them.
+    #[default]
+    Free,
+    /// Inside the unit circle, known integrators apart. Those that the data put outside come to rest at 1 - 1/s, s the
+    /// estimating samples: the A of least misfit with a penalty on the offending directions alone.
+    Stable,
+}
+
 /// Settings of [`identify`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -69,12 +91,23 @@ pub struct Options {
     pub method: Method,
     /// Part of the samples, from the first on, that estimates; the rest validates. Default 0.5; 1 leaves nothing to validate.
     pub estimate: f64,
-    /// Remove the means of the estimating part from both parts. Default false: a system that integrates turns the mean taken
-    /// from its input into a drift, so a recording of the hub angle does better without.
+    /// Remove the means of the estimating part from both parts, and estimate what is left of an offset on each output together with
+    /// B, D and x(0): the mean of a finite record is not the rest position. Default false: a system that integrates turns the
+    /// mean taken from its input into a drift, so a recording of the hub angle does better without. With known integrators the
+    /// inputs keep their means.
     pub remove_mean: bool,
     /// Append a row of ones to the Hankel matrices: each Hankel row loses its own offset, which a drifting record likes. It
     /// acts on A and C only; B, D and x(0) see the offset that is left. Default false.
     pub constant_row: bool,
+    /// Further block rows that compete with `block_rows` on the estimating samples, default none. Those that the record is too
+    /// short for are left out.
+    pub more_block_rows: Vec<usize>,
+    /// Poles known to be exactly 1: a motor's angle has one. Default 0. D is zero then, and A = diag(1, .., A_s).
+    pub integrators: usize,
+    /// Default [`Feedthrough::Free`].
+    pub feedthrough: Feedthrough,
+    /// Default [`Poles::Free`].
+    pub poles: Poles,
 }
 
 impl Default for Options {
@@ -86,6 +119,10 @@ impl Default for Options {
             estimate: 0.5,
             remove_mean: false,
             constant_row: false,
+            more_block_rows: Vec::new(),
+            integrators: 0,
+            feedthrough: Feedthrough::Free,
+            poles: Poles::Free,
         }
     }
 }
@@ -105,6 +142,8 @@ pub struct Identified {
     pub order: usize,
     /// Block rows i.
     pub block_rows: usize,
+    /// The method whose weights were taken: never [`Method::Auto`].
+    pub method: Method,
     /// Samples that estimated; the others validated.
     pub estimation_samples: usize,
     /// Fit of each output on the validating samples; None when there are none.
@@ -113,7 +152,7 @@ pub struct Identified {
     pub estimation_fit_percent: Vec<f64>,
     /// Removed from the inputs; zeros unless asked for.
     pub input_means: Vec<f64>,
-    /// Removed from the outputs; zeros unless asked for.
+    /// Removed from the outputs, the means with the offsets that were estimated besides; zeros unless asked for.
     pub output_means: Vec<f64>,
 }
 
@@ -131,58 +170,72 @@ pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Resul
     let s = estimation_samples(inputs.samples(), options)?;
     expect_samples("estimation", s, samples_needed(i, m, l), i)?;
     let all = Channels::of_rows(&inputs.data).beside(Channels::of_rows(&outputs.data));
-    let mut record = Record::new(m + l, i);
-    record.absorb(&all.part(0..s), 1).map_err(|bad| not_finite(inputs, outputs, bad))?;
-    let rest = s..all.samples();
-    if let Some(bad) = all.part(rest.clone()).not_finite() {
-        return Err(not_finite(inputs, outputs, NotFinite { sample: s + bad.sample, ..bad }));
-    }
-    let (scaling, gram) = Scaling::of(record.finish(), options.remove_mean);
-    let samples = |range| Samples { channels: all.part(range), scaling: &scaling, m };
-
-    let factor = Factor::of_gram(&gram, m, &scaling.scale, options.constant_row); // (8), (9)
-    factor.expect_exciting()?;
-    let directions = directions(&factor, options.method.weighting()); // (13), (14)
-    let n = chosen_order(&factor, &directions, options)?;
-    let gamma = subspace::gamma(&directions, n); // (15)
+    let (estimating, rest) = (0..s, s..all.samples());
+    let gram = gram_of_finite(&all, &estimating, i).map_err(|bad| not_finite(inputs, outputs, bad))?;
+    // An integrator turns the mean taken from its input into a drift.
+    let (mut scaling, gram) = Scaling::of(gram, |c| options.remove_mean && (c >= m || options.integrators == 0));
     let time = Time::Sampled { period_s: inputs.period_s };
-    let (scaled, initial_state, estimation_fit_percent) =
-        system(&factor, &gamma, options.method, &samples(0..s), time)?; // (16), (17)
-    let fit_percent = if rest.is_empty() { None } else { Some(samples(rest).fit_percent(&scaled)?) };
+    let samples = Samples { channels: all.part(estimating), scaling: &scaling, m };
+
+    let (chosen, estimate) = estimated(&Estimation::new(samples, &gram, time, options), options)?; // (8)-(17)
+    scaling.shift(m, estimate.offset.as_slice());
+    let unseen = Samples { channels: all.part(rest.clone()), scaling: &scaling, m };
+    let fit_percent = if rest.is_empty() { None } else { Some(unseen.fit_percent(&estimate.model)?) };
     let (input_scaling, output_scaling) = (scaling.part(0..m), scaling.part(m..m + l));
-    let model = unscaled(&scaled, &input_scaling, &output_scaling)?;
+    let model = unscaled(&estimate.model, &input_scaling, &output_scaling)?;
     Ok(Identified {
         continuous: sampling::inverse_zoh(&model),
+        order: model.order(),
         model,
-        initial_state,
-        order: n,
-        singular_values: directions.singular_values,
-        block_rows: i,
+        initial_state: estimate.initial_state,
+        singular_values: chosen.singular_values,
+        block_rows: chosen.block_rows,
+        method: chosen.method,
         estimation_samples: s,
         fit_percent,
-        estimation_fit_percent,
+        estimation_fit_percent: estimate.fit_percent,
         input_means: input_scaling.mean,
         output_means: output_scaling.mean,
     })
 }
 
-fn system(
-    factor: &Factor,
-    gamma: &Mat,
-    method: Method,
-    samples: &Samples,
-    time: Time,
-) -> Result<(StateSpace, Vector, Vec<f64>), Error> {
-    if method == Method::Paper {
-        let [A, B, C, D] = subspace::state_sequences(factor, gamma).ok_or(Error::NoState)?;
-        let model = StateSpace::new(A, B, C, D, time)?;
-        let (U, Y) = samples.matrices();
-        let validation = validate(&model, &U.transpose(), &Y.transpose())?;
-        return Ok((model, validation.initial_state, validation.fit_percent));
+fn estimated(samples: &Estimation, options: &Options) -> Result<(candidate::Candidate, Estimate), Error> {
+    if options.method == Method::Paper {
+        return printed(samples, options);
     }
-    let (A, C) = subspace::shift(gamma, factor.l).ok_or(Error::NoState)?;
-    let Fitted { found, fit_percent } = samples.input_matrices(&A, &C)?;
-    Ok((StateSpace::new(A, found.B, C, found.D, time)?, found.initial_state, fit_percent))
+    let chosen = candidate::best(samples, options)?;
+    let estimate = samples.completed(chosen.A.clone(), chosen.C.clone())?;
+    Ok((chosen, estimate))
+}
+
+/// Equations (13)-(17) as the paper prints them.
+fn printed(samples: &Estimation, options: &Options) -> Result<(candidate::Candidate, Estimate), Error> {
+    let factor = samples.factor(options.block_rows)?; // (8), (9)
+    let (found, moesp) = (directions(&factor, Weighting::N4sid), directions(&factor, Weighting::Moesp)); // (13), (14)
+    let n = candidate::chosen_order(&factor, &found, &moesp, 0, options)?;
+    let [A, B, C, D] = subspace::state_sequences(&factor, &subspace::gamma(&found, n)).ok_or(Error::NoState)?; // (15)-(17)
+    let model = StateSpace::new(A.clone(), B, C.clone(), D, samples.time)?;
+    let (U, Y) = samples.samples.matrices();
+    let found_again = validate(&model, &U.transpose(), &Y.transpose())?;
+    let chosen = candidate::Candidate {
+        method: Method::Paper,
+        block_rows: factor.i,
+        singular_values: found.singular_values,
+        A,
+        C,
+    };
+    let Validation { initial_state, fit_percent, .. } = found_again;
+    Ok((chosen, Estimate { model, initial_state, offset: Vector::zeros(factor.l), fit_percent }))
+}
+
+/// H H' of the estimating samples; all samples are looked at, each once.
+fn gram_of_finite(all: &Channels, estimating: &std::ops::Range<usize>, block_rows: usize) -> Result<Gram, NotFinite> {
+    let mut record = Record::new(all.count(), block_rows);
+    record.absorb(&all.part(estimating.clone()), 1)?;
+    match all.part(estimating.end..all.samples()).not_finite() {
+        Some(bad) => Err(NotFinite { sample: estimating.end + bad.sample, ..bad }),
+        None => Ok(record.finish()),
+    }
 }
 
 /// The model between the channels as recorded: B / u, y C, y D / u with the channels' scales.
@@ -199,47 +252,42 @@ fn unscaled(model: &StateSpace, inputs: &Scaling, outputs: &Scaling) -> Result<S
     Ok(StateSpace::new(A, B, C, D, time)?)
 }
 
-fn chosen_order(factor: &Factor, directions: &Directions, options: &Options) -> Result<usize, Error> {
-    let rank = order::rank(&directions.singular_values);
-    if rank == 0 {
-        return Err(Error::NoState);
-    }
-    let shift = factor.l * (factor.i - 1);
-    let order = match options.order {
-        Order::Auto => automatic_order(factor, directions, options.method).min(shift).min(rank),
-        Order::Fixed(order) => order,
-    };
-    if order > shift {
-        return Err(Error::Order { order, largest: shift, reason: "the shift of Gamma has l (i - 1) rows" });
-    }
-    if order > rank {
-        return Err(Error::Order { order, largest: rank, reason: "only so many singular values stand above rounding" });
-    }
-    Ok(order)
-}
-
-/// Always from the MOESP weighting: canonical correlations of noise-free data are all one and have no floor.
-fn automatic_order(factor: &Factor, found: &Directions, method: Method) -> usize {
-    let aspect = factor.l as f64 / (factor.m + factor.l) as f64;
-    match method.weighting() {
-        Weighting::Moesp => order::automatic(&found.singular_values, aspect),
-        _ => order::automatic(&directions(factor, Weighting::Moesp).singular_values, aspect),
-    }
-}
-
 fn check(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<(), Error> {
     let setting = |setting, found, needed| Err(Error::Setting { setting, found, needed });
     expect_together(inputs, outputs)?;
-    if options.block_rows < 2 {
-        return setting("block_rows", options.block_rows as f64, "at least 2");
+    if let Some(few) = [options.block_rows].iter().chain(&options.more_block_rows).find(|&&i| i < 2) {
+        return setting("block_rows", *few as f64, "at least 2");
     }
-    if options.order == Order::Fixed(0) {
-        return setting("order", 0.0, "at least 1");
-    }
+    expect_structure(inputs.channels(), outputs.channels(), options)?;
     if !(options.estimate > 0.0 && options.estimate <= 1.0) {
         return setting("estimate", options.estimate, "more than 0 and at most 1");
     }
     Ok(())
+}
+
+/// Errors: an order without a state beside the integrators, more integrators than channels, structure that (13)-(17) do not know.
+fn expect_structure(m: usize, l: usize, options: &Options) -> Result<(), Error> {
+    let setting = |setting, found: usize, needed| Err(Error::Setting { setting, found: found as f64, needed });
+    match options.order {
+        Order::Fixed(0) => return setting("order", 0, "at least 1"),
+        Order::Fixed(n) if n <= options.integrators => {
+            return setting("order", n, "more than the known integrators");
+        }
+        _ => {}
+    }
+    if options.integrators > m.min(l) {
+        return setting("integrators", options.integrators, "at most as many as inputs and as outputs");
+    }
+    let known = [
+        (options.integrators > 0, "integrators"),
+        (options.feedthrough == Feedthrough::Zero, "no feedthrough"),
+        (options.poles == Poles::Stable, "stable poles"),
+        (!options.more_block_rows.is_empty(), "several block rows"),
+    ];
+    match known.iter().find(|known| known.0 && options.method == Method::Paper) {
+        Some((_, structure)) => Err(Error::Structure { structure }),
+        None => Ok(()),
+    }
 }
 
 /// Channels on both sides, recorded in step.

@@ -32,15 +32,18 @@
 
 pub mod bound;
 pub mod breakaway;
+mod candidate;
 mod columns;
 mod correlation;
 mod double;
 mod error;
+mod estimation;
 pub mod excitation;
 mod fourier;
 pub mod friction;
 mod hankel;
 pub mod identify;
+mod integrators;
 mod lanes;
 mod modal;
 mod order;
@@ -52,10 +55,11 @@ mod samples;
 mod scaling;
 mod singular;
 pub mod spectrum;
+mod stable;
 pub mod structured;
 mod subspace;
 mod triangle;
 pub mod validate;
 
 pub use error::Error;
-pub use identify::{Identified, Method, Options, Order, identify};
+pub use identify::{Feedthrough, Identified, Method, Options, Order, Poles, identify};

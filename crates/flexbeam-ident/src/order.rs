@@ -27,17 +27,27 @@ pub(crate) fn rank(singular_values: &[f64]) -> usize {
 /// `aspect`: rows over columns of the weighted projection, at most 1.
 /// Source: Gavish and Donoho 2014, eq. 11 (unknown noise level) with its cubic for omega; the margin is ours.
 pub(crate) fn automatic(singular_values: &[f64], aspect: f64) -> usize {
-    let floor = singular_values[0] * ROUNDING;
-    let drop = |n: usize| singular_values[n - 1].max(floor) / singular_values[n].max(floor);
-    let last = rank(singular_values).min(singular_values.len() - 1);
-    let largest = (1..=last).max_by(|&a, &b| drop(a).total_cmp(&drop(b)));
-    if let Some(n) = largest.filter(|&n| drop(n) >= NOISE_FREE_DROP) {
+    if let Some(n) = drop_to_rounding(singular_values) {
         return n;
     }
     let omega = ((0.56 * aspect - 0.95) * aspect + 1.82) * aspect + 1.43;
     let median = singular_values[singular_values.len() / 2];
     let threshold = MARGIN * omega * median;
     singular_values.iter().filter(|&&x| x > threshold).count().max(1)
+}
+
+/// Whether a drop shows that there is no noise.
+pub(crate) fn noise_free(singular_values: &[f64]) -> bool {
+    drop_to_rounding(singular_values).is_some()
+}
+
+/// Place of the largest drop, when it is 10^4 or more.
+fn drop_to_rounding(singular_values: &[f64]) -> Option<usize> {
+    let floor = singular_values.first()? * ROUNDING;
+    let drop = |n: usize| singular_values[n - 1].max(floor) / singular_values[n].max(floor);
+    let last = rank(singular_values).min(singular_values.len() - 1);
+    let largest = (1..=last).max_by(|&a, &b| drop(a).total_cmp(&drop(b)));
+    largest.filter(|&n| drop(n) >= NOISE_FREE_DROP)
 }
 
 #[cfg(test)]

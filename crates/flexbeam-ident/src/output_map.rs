@@ -1,10 +1,11 @@
-//! The output of x(k+1) = A x(k) + B u(k), y = C x + D u as a linear map of B, D and x(0).
+//! The output of x(k+1) = A x(k) + B u(k), y = C x + D u + d as a linear map of B, D, x(0) and the offset d.
 //!
-//! Enters: A, C, inputs, outputs. Leaves: the B, D, x(0) whose simulated output is nearest to the recorded one.
+//! Enters: A, C, inputs, outputs, what is known. Leaves: the B, D, x(0), d whose simulated output is nearest to the recorded one.
 //! Deliberately absent: one-step prediction.
 
 use flexbeam_lti::{Mat, Vector};
 
+use crate::identify::Feedthrough;
 use crate::singular::basic_solution;
 use crate::triangle::{CHUNK_ROWS, Triangle};
 
@@ -16,10 +17,20 @@ const UNKNOWN_RANK: f64 = 1e-14;
 /// A response below this is nothing beside any other.
 const FADED: f64 = 1e-200;
 
-/// B, D and the initial state.
+/// What is unknown beside B and x(0).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Unknowns {
+    /// D; zero where it is known to be.
+    pub feedthrough: Feedthrough,
+    /// A constant added to each output: the mean of a finite record is not the rest position. Zero where it is not asked for.
+    pub offset: bool,
+}
+
+/// B, D, the outputs' offsets and the initial state.
 pub(crate) struct InputMatrices {
     pub B: Mat,
     pub D: Mat,
+    pub offset: Vector,
     pub initial_state: Vector,
 }
 
@@ -31,29 +42,48 @@ pub(crate) struct InputMatrices {
 /// A with a pole outside the unit circle is kept as it is: the record is cut into stretches in which no response grows by more
 /// than 10^6, each with a free initial state, which the QR of that stretch eliminates.
 /// Source: McKelvey, Akcay and Ljung 1996 for the least squares; SLICOT IB01CD solves the same problem.
-pub(crate) fn input_matrices(A: &Mat, C: &Mat, U: &Mat, Y: &Mat) -> InputMatrices {
+pub(crate) fn input_matrices(A: &Mat, C: &Mat, U: &Mat, Y: &Mat, unknowns: Unknowns) -> InputMatrices {
     let (n, m, l) = (A.nrows(), U.ncols(), C.nrows());
-    let s = U.nrows();
-    let unknowns = n * m + l * m;
-    let stretch = stretch(A, s);
-    let mut shared = Triangle::new(unknowns + 1);
+    // The offset is the feedthrough of an input that is one.
+    let driven = if unknowns.offset { U.clone().insert_column(m, 1.0) } else { U.clone() };
+    let columns = columns(n, m, l, unknowns);
+    let stretch = stretch(A, U.nrows());
+    let mut shared = Triangle::new(columns.len() - n);
     let mut first = None;
-    for start in (0..s).step_by(stretch) {
-        let width = stretch.min(s - start);
-        let part = responses(A, C, &U.rows(start, width).into_owned(), &Y.rows(start, width).into_owned());
-        shared.absorb(&mut part.view((n, n), (unknowns + 1, unknowns + 1)).into_owned());
-        first.get_or_insert(part);
+    for start in (0..U.nrows()).step_by(stretch) {
+        let width = stretch.min(U.nrows() - start);
+        let all = responses(A, C, &driven.rows(start, width).into_owned(), &Y.rows(start, width).into_owned());
+        let mut part = Triangle::new(columns.len());
+        part.absorb(&mut all.select_columns(&columns));
+        shared.absorb(&mut part.R.view((n, n), (columns.len() - n, columns.len() - n)).into_owned());
+        first.get_or_insert(part.R);
     }
     let top = first.expect("a record has samples").rows(0, n).into_owned();
     let known = solved(&shared.R);
-    let rest = top.column(n + unknowns) - top.columns(n, unknowns) * &known;
+    let rest = top.column(top.ncols() - 1) - top.columns(n, known.len()) * &known;
     let mut initial = top.columns(0, n).insert_column(n, 0.0);
     initial.set_column(n, &rest);
+    let (B, rest) = known.as_slice().split_at(n * m);
+    let feedthrough = if unknowns.feedthrough == Feedthrough::Free { l * m } else { 0 };
+    let (D, offset) = rest.split_at(feedthrough);
     InputMatrices {
-        B: Mat::from_column_slice(n, m, &known.as_slice()[..n * m]),
-        D: Mat::from_column_slice(l, m, &known.as_slice()[n * m..]),
+        B: Mat::from_column_slice(n, m, B),
+        D: Mat::from_fn(l, m, |r, c| D.get(c * l + r).copied().unwrap_or(0.0)),
+        offset: Vector::from_fn(l, |p, _| offset.get(p).copied().unwrap_or(0.0)),
         initial_state: solved(&initial),
     }
+}
+
+/// Columns of [x(0) | B | D | y] that belong to unknowns, and y; with an offset, B and D have a last column for the input one.
+fn columns(n: usize, m: usize, l: usize, unknowns: Unknowns) -> Vec<usize> {
+    let driven = m + usize::from(unknowns.offset);
+    let D = n + n * driven;
+    let mut columns: Vec<usize> = (0..n + n * m).collect();
+    if unknowns.feedthrough == Feedthrough::Free {
+        columns.extend(D..D + l * m);
+    }
+    columns.extend(D + l * m..=D + l * driven);
+    columns
 }
 
 /// x(0) whose response is nearest to Y, the forced response taken away already.
@@ -205,9 +235,26 @@ mod tests {
             let x0 = Vector::from_column_slice(&[1.0, -2.0, 0.5]);
             let (U, Y) = self.record(K, &x0, 3000);
             assert!(Y.amax() < 1e3, "the loop must be stable: {:e}", Y.amax());
-            let found = input_matrices(&self.A, &self.C, &U, &Y);
-            let errors = [(found.B - &self.B).norm(), (found.D - &self.D).norm(), (found.initial_state - x0).norm()];
-            assert!(errors.iter().all(|e| *e < tolerance), "{errors:?}");
+            for (feedthrough, offset) in [
+                (Feedthrough::Free, 0.0),
+                (Feedthrough::Free, 0.7),
+                (Feedthrough::Zero, 0.0),
+                (Feedthrough::Zero, -3.0),
+            ] {
+                let known = feedthrough == Feedthrough::Zero;
+                let D = if known { Mat::zeros(2, 2) } else { self.D.clone() };
+                let Y = if known { &Y - &U * self.D.transpose() } else { Y.clone() }.add_scalar(offset);
+                let unknowns = Unknowns { feedthrough, offset: offset != 0.0 };
+                let found = input_matrices(&self.A, &self.C, &U, &Y, unknowns);
+                let mut errors =
+                    vec![(found.B - &self.B).norm(), (found.D - D).norm(), found.offset.add_scalar(-offset).norm()];
+                errors.push((found.initial_state - &x0).norm());
+                // An integrator's state takes what it likes of an offset.
+                if offset != 0.0 && self.A[(0, 0)] == 1.0 {
+                    errors.truncate(2);
+                }
+                assert!(errors.iter().all(|e| *e < tolerance), "{feedthrough:?}, offset {offset}: {errors:?}");
+            }
         }
     }
 

@@ -32,14 +32,13 @@ use std::ops::ControlFlow;
 
 use flexbeam_lti::{Mat, StateSpace, Vector};
 
-use crate::Error;
 use crate::scaling::Scaling;
+use crate::{Error, Feedthrough, Poles};
 pub use criterion::Criterion;
 use criterion::Measure;
 use descent::Descent;
 pub use identified::refine_identified;
 use local::{Point, Structure};
-use sensitivity::Record;
 
 /// Which errors are made small.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,26 +49,6 @@ pub enum Errors {
     /// Of the output predicted one sample ahead, innovations form x(k+1) = A x + B u + K e: the least variance where the noise is
     /// the model's own, and what closed-loop recordings need. K as a first value; zero where there is none.
     Predicted(Option<Mat>),
-}
-
-/// D.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Feedthrough {
-    /// Estimated.
-    #[default]
-    Free,
-    /// Known to be zero.
-    Zero,
-}
-
-/// Where poles may go.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Poles {
-    /// Wherever the data send them.
-    #[default]
-    Free,
-    /// Inside the unit circle, known integrators apart; those that start outside never go farther out.
-    Stable,
 }
 
 /// Settings of [`refine`].
@@ -85,6 +64,8 @@ pub struct Settings {
     pub feedthrough: Feedthrough,
     /// Default [`Poles::Free`].
     pub poles: Poles,
+    /// An unknown constant stands on every output, default false. A mean that was removed is not the rest position.
+    pub offset: bool,
     /// Linearisations at most, default 200: ten to thirty are usual.
     pub most_iterations: usize,
     /// Relative offset at which the descent has settled, default 1e-3: what is left to go is a thousandth of what the noise makes
@@ -100,6 +81,7 @@ impl Default for Settings {
             integrators: 0,
             feedthrough: Feedthrough::default(),
             poles: Poles::default(),
+            offset: false,
             most_iterations: 200,
             tolerance: 1e-3,
         }
@@ -142,7 +124,9 @@ pub struct Refined {
     pub K: Option<Mat>,
     /// State at the first sample.
     pub initial_state: Vector,
-    /// Parameters that were free: those of the input-output behaviour, and the initial state.
+    /// Constant on each output; zeros unless asked for.
+    pub offset: Vector,
+    /// Parameters that were free: those of the input-output behaviour, the offsets, and the initial state.
     pub parameters: usize,
     /// Linearisations used.
     pub iterations: usize,
@@ -178,23 +162,26 @@ pub fn refine(
     let (U, Y) = (scaling.inputs.apply_rows(U), scaling.outputs.apply_rows(Y));
     let measure = Measure::new(settings.criterion, &Y);
     let candidates = start::candidates(&scaling.scaled(start)?, &U, &Y, settings)?;
-    let W = match settings.errors {
-        Errors::Simulated => U,
-        Errors::Predicted(_) => start::stacked(&U, &Y),
+    let record = start::record(U, Y, settings);
+    let structure = Structure {
+        integrators: settings.integrators,
+        no_feedthrough: settings.feedthrough == Feedthrough::Zero,
+        offset: settings.offset,
     };
-    let record = Record { W, Y };
-    let structure =
-        Structure { integrators: settings.integrators, no_feedthrough: settings.feedthrough == Feedthrough::Zero };
     let descent = Descent { record: &record, measure: &measure, structure, settings };
     let best = start::best(&descent, candidates, scaling.gain(settings), watch)?;
     let missed_before = best.judged.missed;
     let end = descent.down(best, watch);
     let Point { A, B, C, D, K, initial_state } = end.standing.point;
+    let (m, l) = (start.inputs(), start.outputs());
+    let offset = if settings.offset { D.column(m).into_owned() } else { Vector::zeros(l) };
+    let (B, D) = (B.columns(0, m).into_owned(), D.columns(0, m).into_owned());
     let model = scaling.unscaled(&StateSpace::new(A, B, C, D, start.time)?)?;
     Ok(Refined {
         model,
         K: K.map(|K| scaling.unscaled_gain(K)),
         initial_state,
+        offset: offset.component_mul(&Vector::from_column_slice(&scaling.outputs.scale)),
         parameters: end.dimension,
         iterations: end.iterations,
         missed_before,
@@ -211,7 +198,7 @@ struct Scales {
 
 impl Scales {
     fn of(U: &Mat, Y: &Mat) -> Scales {
-        Scales { inputs: Scaling::of(&U.transpose(), false), outputs: Scaling::of(&Y.transpose(), false) }
+        Scales { inputs: Scaling::of_rows(U), outputs: Scaling::of_rows(Y) }
     }
 
     fn scaled(&self, model: &StateSpace) -> Result<StateSpace, Error> {

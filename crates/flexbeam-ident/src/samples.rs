@@ -7,8 +7,9 @@ use flexbeam_lti::{Mat, StateSpace, Vector};
 
 use crate::Error;
 use crate::correlation::Channels;
+use crate::identify::Feedthrough;
 use crate::modal::{Free, ModalFit, Problem};
-use crate::output_map::{InputMatrices, input_matrices};
+use crate::output_map::{InputMatrices, Unknowns, input_matrices};
 use crate::scaling::Scaling;
 use crate::validate::{fit_from_squares, validate};
 
@@ -27,24 +28,30 @@ pub(crate) struct Fitted {
     pub fit_percent: Vec<f64>,
 }
 
-impl Samples<'_> {
-    /// B, D and x(0) by least squares of the simulated output, and the fit.
+impl<'a> Samples<'a> {
+    /// B, D, x(0) and the outputs' offsets by least squares of the simulated output, and the fit.
     ///
     /// Errors: those of the simulation.
-    pub fn input_matrices(&self, A: &Mat, C: &Mat) -> Result<Fitted, Error> {
+    pub fn input_matrices(&self, A: &Mat, C: &Mat, unknowns: Unknowns) -> Result<Fitted, Error> {
         let (n, m, l) = (A.nrows(), self.m, C.nrows());
-        let free = Free { B: true, D: true, offset: false };
+        let free = Free { B: true, D: unknowns.feedthrough == Feedthrough::Free, offset: unknowns.offset };
         if let Some(fit) = self.problem(A, C, Mat::zeros(n, m), Mat::zeros(l, m)).solve(free) {
             let fit_percent = percent(&fit);
-            let found = InputMatrices { B: fit.B, D: fit.D, initial_state: fit.initial_state };
-            return Ok(Fitted { found, fit_percent });
+            let ModalFit { B, D, offset, initial_state, .. } = fit;
+            return Ok(Fitted { found: InputMatrices { B, D, offset, initial_state }, fit_percent });
         }
-        let (U, Y) = self.matrices();
-        let found = input_matrices(A, C, &U, &Y);
+        let (U, mut Y) = self.matrices();
+        let found = input_matrices(A, C, &U, &Y, unknowns);
         let time = flexbeam_lti::Time::Sampled { period_s: 1.0 };
         let model = StateSpace::new(A.clone(), found.B.clone(), C.clone(), found.D.clone(), time)?;
+        Y.column_iter_mut().zip(&found.offset).for_each(|(mut y, d)| y.add_scalar_mut(-d));
         let fit_percent = validate(&model, &U.transpose(), &Y.transpose())?.fit_percent;
         Ok(Fitted { found, fit_percent })
+    }
+
+    /// The samples of this range.
+    pub fn part(&self, range: std::ops::Range<usize>) -> Samples<'a> {
+        Samples { channels: self.channels.part(range), ..*self }
     }
 
     /// Fit of a model between the scaled channels, its initial state free.

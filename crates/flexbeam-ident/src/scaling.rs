@@ -3,7 +3,9 @@
 //! Enters: recorded channels. Leaves: channels of unit rms. Deliberately absent: filters and resampling, which change
 //! the model and therefore belong to the person.
 
-use crate::correlation::Gram;
+use flexbeam_lti::Mat;
+
+use crate::correlation::{Channels, Gram, Record};
 use crate::double::Double;
 
 /// Offset and scale of each channel.
@@ -15,9 +17,10 @@ pub(crate) struct Scaling {
 }
 
 impl Scaling {
-    /// Scales of a record's channels about its means, or about zero when these are kept; and the record's Gram matrix about the same.
-    pub fn of(gram: Gram, remove_mean: bool) -> (Scaling, Gram) {
-        let mean = if remove_mean { gram.means() } else { vec![0.0; gram.channels()] };
+    /// Scales of a record's channels about its means, or about zero for channels that keep them; and the record's Gram matrix about the same.
+    pub fn of(gram: Gram, removes_mean: impl Fn(usize) -> bool) -> (Scaling, Gram) {
+        let means = gram.means();
+        let mean: Vec<f64> = means.iter().enumerate().map(|(c, &x)| if removes_mean(c) { x } else { 0.0 }).collect();
         let gram = gram.about(&mean);
         let rms = gram.rms();
         let scale: Vec<f64> = rms
@@ -31,12 +34,27 @@ impl Scaling {
         (Scaling { mean, scale }, gram)
     }
 
+    /// Scales of these channels x samples about zero.
+    ///
+    /// Assumes: finite samples.
+    pub fn of_rows(data: &Mat) -> Scaling {
+        let mut record = Record::new(data.nrows(), 1);
+        record.absorb(&Channels::of_rows(data), 1).expect("finite samples");
+        Scaling::of(record.finish(), |_| false).0
+    }
+
     /// The part for these channels.
     pub fn part(&self, channels: std::ops::Range<usize>) -> Scaling {
         Scaling { mean: self.mean[channels.clone()].to_vec(), scale: self.scale[channels].to_vec() }
     }
 
-    /// The same for channels x samples.
+    /// Moves the means of the channels from `first` on by these scaled offsets.
+    pub fn shift(&mut self, first: usize, offset: &[f64]) {
+        let channels = self.mean[first..].iter_mut().zip(&self.scale[first..]);
+        channels.zip(offset).for_each(|((mean, scale), d)| *mean += scale * d);
+    }
+
+    /// (data - mean) / scale, channels x samples.
     pub fn apply_rows(&self, data: &Mat) -> Mat {
         Mat::from_fn(data.nrows(), data.ncols(), |c, k| (data[(c, k)] - self.mean[c]) / self.scale[c])
     }

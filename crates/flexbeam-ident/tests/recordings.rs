@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use flexbeam_ident::{Options, Order, identify};
+use flexbeam_ident::validate::validate;
+use flexbeam_ident::{Identified, Options, Order, identify};
 use flexbeam_lti::{Mat, Signals};
 
 struct Case {
@@ -12,7 +13,8 @@ struct Case {
     period_s: f64,
     block_rows: usize,
     order: usize,
-    least_fit_percent: f64,
+    /// The best of five other programs, shared/data/README.md.
+    best_peer_percent: f64,
 }
 
 const CASES: [Case; 5] = [
@@ -23,7 +25,7 @@ const CASES: [Case; 5] = [
         period_s: 1.0,
         block_rows: 20,
         order: 4,
-        least_fit_percent: 96.2,
+        best_peer_percent: 96.40,
     },
     Case {
         file: "CD_player_arm.dat",
@@ -32,7 +34,7 @@ const CASES: [Case; 5] = [
         period_s: 1.0,
         block_rows: 15,
         order: 8,
-        least_fit_percent: 74.0,
+        best_peer_percent: 74.91,
     },
     Case {
         file: "dryer.dat",
@@ -41,7 +43,7 @@ const CASES: [Case; 5] = [
         period_s: 0.08,
         block_rows: 15,
         order: 4,
-        least_fit_percent: 85.5,
+        best_peer_percent: 85.86,
     },
     Case {
         file: "evaporator.dat",
@@ -50,7 +52,7 @@ const CASES: [Case; 5] = [
         period_s: 1.0,
         block_rows: 10,
         order: 4,
-        least_fit_percent: 52.5,
+        best_peer_percent: 53.11,
     },
     Case {
         file: "heating_system.dat",
@@ -59,7 +61,7 @@ const CASES: [Case; 5] = [
         period_s: 2.0,
         block_rows: 15,
         order: 7,
-        least_fit_percent: 68.0,
+        best_peer_percent: 74.82,
     },
 ];
 
@@ -94,8 +96,22 @@ fn mean(fits: &[f64]) -> f64 {
     fits.iter().sum::<f64>() / fits.len() as f64
 }
 
+/// Fit on the second half by the peers' protocol: means of the first half removed, initial state by least squares, no offset.
+fn peers_fit(inputs: &Signals, outputs: &Signals, found: &Identified) -> f64 {
+    let second = |signals: &Signals| {
+        let (half, s) = (signals.samples() / 2, signals.samples());
+        let mut part = signals.data.columns(half, s - half).into_owned();
+        for (c, mut row) in part.row_iter_mut().enumerate() {
+            row.add_scalar_mut(-signals.data.row(c).columns(0, half).mean());
+        }
+        part
+    };
+    mean(&validate(&found.model, &second(inputs), &second(outputs)).unwrap().fit_percent)
+}
+
+/// Within 0.3 of the best peer, both with the offset that the estimating half shows and without, as the peers are measured.
 #[test]
-fn default_method_reaches_the_published_fits() {
+fn default_method_is_as_good_as_the_best_peer() {
     for case in &CASES {
         let Some((inputs, outputs)) = recording(case) else { continue };
         let options = Options {
@@ -105,21 +121,24 @@ fn default_method_reaches_the_published_fits() {
             ..Options::default()
         };
         let found = identify(&inputs, &outputs, &options).expect(case.file);
-        let fit = mean(&found.fit_percent.expect("half of the record validates"));
-        println!("{:20} {fit:6.2} % (needed {})", case.file, case.least_fit_percent);
-        assert!(fit >= case.least_fit_percent, "{}: fit {fit:.2} %", case.file);
+        let fit = mean(found.fit_percent.as_ref().expect("half of the record validates"));
+        let alike = peers_fit(&inputs, &outputs, &found);
+        let (best, method) = (case.best_peer_percent, found.method);
+        println!("{:20} {method:?}: {fit:6.2} %, without offset {alike:6.2} % (best peer {best})", case.file);
+        assert!(fit.min(alike) >= best - 0.3, "{}: fit {fit:.2} %, without offset {alike:.2} %", case.file);
     }
 }
 
-/// The automatic order costs at most one percent against the orders that the comparisons use.
+/// Nothing set but the means: i = 20, order by the rule. It costs at most one percent.
 #[test]
-fn automatic_order_does_as_well() {
+fn plain_defaults_do_nearly_as_well() {
     for case in &CASES {
         let Some((inputs, outputs)) = recording(case) else { continue };
-        let options = Options { block_rows: case.block_rows, remove_mean: true, ..Options::default() };
-        let found = identify(&inputs, &outputs, &options).expect(case.file);
-        let fit = mean(&found.fit_percent.expect("half of the record validates"));
-        println!("{:20} order {} by itself: {fit:6.2} %", case.file, found.order);
-        assert!(fit >= case.least_fit_percent - 1.0, "{}: order {}, fit {fit:.2} %", case.file, found.order);
+        let found = identify(&inputs, &outputs, &Options { remove_mean: true, ..Options::default() }).expect(case.file);
+        let fit = mean(found.fit_percent.as_ref().expect("half of the record validates"));
+        let alike = peers_fit(&inputs, &outputs, &found);
+        let (order, method) = (found.order, found.method);
+        println!("{:20} {method:?}, order {order}: {fit:6.2} %, without offset {alike:6.2} %", case.file);
+        assert!(fit >= case.best_peer_percent - 1.0, "{}: order {order}, fit {fit:.2} %", case.file);
     }
 }

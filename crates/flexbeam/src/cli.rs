@@ -119,6 +119,9 @@ pub struct Identify {
     /// Remove the means of the estimating part
     #[arg(long)]
     pub remove_mean: bool,
+    /// Refine the model by the errors of the simulated output, or by those of a one-step prediction
+    #[arg(long, value_enum, value_name = "ERRORS", num_args = 0..=1, require_equals = true, default_missing_value = "simulated")]
+    pub refine: Option<Refinement>,
     /// Draw singular values, measured and simulated outputs into this folder
     #[arg(long)]
     pub plots: Option<PathBuf>,
@@ -155,6 +158,25 @@ pub enum Method {
     Moesp,
     /// Canonical variate weighting
     Cva,
+}
+
+/// Errors that `--refine` makes small.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum Refinement {
+    /// Of the output simulated from the input alone
+    Simulated,
+    /// Of the output predicted one sample ahead, with an innovations gain K
+    Predicted,
+}
+
+impl Refinement {
+    /// The name that files carry.
+    pub fn name(self) -> &'static str {
+        match self {
+            Refinement::Simulated => "simulated",
+            Refinement::Predicted => "predicted",
+        }
+    }
 }
 
 /// `flexbeam design`

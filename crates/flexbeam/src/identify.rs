@@ -6,6 +6,7 @@
 mod hinted;
 mod link;
 pub(crate) mod pictures;
+mod refinement;
 mod table;
 
 use std::collections::BTreeMap;
@@ -18,11 +19,13 @@ use flexbeam_files::{
 };
 use flexbeam_ident::{Identified, Options, Order, identify};
 use flexbeam_lti::Signals;
+use indicatif::ProgressBar;
 
 use crate::output::{overwrite, provenance, waiting};
 use crate::{Failure, cli};
 pub(crate) use hinted::Hinted;
 pub(crate) use link::Link;
+pub(crate) use refinement::Refinement;
 pub(crate) use table::physical_table;
 
 /// A recording, parted into what goes in and what comes out.
@@ -37,6 +40,8 @@ pub(crate) struct Experiment {
 pub(crate) struct Found {
     /// The model and what it was judged by.
     pub identified: Identified,
+    /// What `--refine` did.
+    pub refinement: Option<Refinement>,
     /// The flexible link's own coordinates and numbers, where the model has its pattern.
     pub link: Option<Link>,
     /// Time of the identification itself [s].
@@ -71,7 +76,7 @@ pub(crate) fn identified(arguments: &cli::Identify) -> Result<(Experiment, Found
     let experiment = Experiment::of(&recording, &arguments.inputs, &arguments.outputs)?;
     let options = options(arguments);
     sign.set_message("identifying");
-    let found = Found::of(&experiment, &options)
+    let found = Found::of(&experiment, &options, arguments.refine, &sign)
         .map_err(Hinted)
         .map_err(Failure::while_trying(format!("identify {}", arguments.recording.display())))?;
     sign.finish_and_clear();
@@ -136,15 +141,27 @@ fn si_name(name: &str) -> String {
 }
 
 impl Found {
-    /// Identification, and where the model has its pattern the flexible link's numbers.
+    /// Identification, refinement where it is asked for, and where the model has its pattern the flexible link's numbers.
     ///
-    /// Errors: those of [`identify`].
-    pub fn of(experiment: &Experiment, options: &Options) -> Result<Found, flexbeam_ident::Error> {
+    /// Errors: those of [`identify`] and of the refinement.
+    pub fn of(
+        experiment: &Experiment,
+        options: &Options,
+        refine: Option<cli::Refinement>,
+        sign: &ProgressBar,
+    ) -> Result<Found, flexbeam_ident::Error> {
         let start = Instant::now();
         let identified = identify(&experiment.inputs, &experiment.outputs, options)?;
         let identify_s = start.elapsed().as_secs_f64();
+        let (identified, refinement) = match refine {
+            None => (identified, None),
+            Some(errors) => {
+                let (better, refinement) = refinement::refined(errors, experiment, &identified, options, sign)?;
+                (better, Some(refinement))
+            }
+        };
         let link = Link::of(experiment, &identified, options);
-        Ok(Found { identified, link, identify_s })
+        Ok(Found { identified, refinement, link, identify_s })
     }
 
     /// What a person should know besides the figures: on standard error.
@@ -157,6 +174,9 @@ impl Found {
                  --plots DIR draws them, --order N decides otherwise",
                 singular_values[order - 1],
             );
+        }
+        if let Some(note) = self.refinement.as_ref().and_then(Refinement::note) {
+            eprintln!("{note}");
         }
         if let Err(why) = &self.identified.continuous {
             eprintln!("no continuous model: {why}\nhint: another --order, or a shorter sample period");
@@ -206,6 +226,7 @@ impl Found {
                 estimate: Some(options.estimate),
                 samples: Some(identified.estimation_samples),
                 remove_mean: Some(options.remove_mean),
+                refinement: self.refinement.as_ref().map(Refinement::file),
             }),
             provenance: Some(provenance(&[recording], out)?),
             ..Model::new(&identified.model, inputs.names.clone(), outputs.names.clone())
@@ -248,6 +269,10 @@ impl Found {
             D: Rows::from(&model.D),
             initial_state: initial_state.as_slice().to_vec(),
             identify_s: self.identify_s,
+            refined: self.refinement.as_ref().map(|refinement| files::RefinedResult {
+                refinement: refinement.file(),
+                refine_s: refinement.refine_s,
+            }),
         }
     }
 }

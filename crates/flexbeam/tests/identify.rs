@@ -253,3 +253,74 @@ fn only_models_are_written_over() {
     bench.done("identify linear.csv --order 4 -o notes.toml --force");
     assert_eq!(bench.json("show notes.toml")["schema"], "flexbeam.model/1");
 }
+
+/// On the estimating half, where the refinement works, and through the files.
+#[test]
+fn a_refined_model_is_nearer_to_its_recording() {
+    let bench = Bench::new();
+    bench.done("record --duration 4 --period 0.002 -o beam.csv");
+    let plain = bench.json("identify beam.csv --order 6 --estimate 1 -o plain.toml");
+    assert!(plain["refined"].is_null());
+    let before = bench.json("show plain.toml")["content"]["identification"]["refinement"].clone();
+    assert!(before.is_null());
+    let mut missed = Vec::new();
+    for (flag, errors) in
+        [("--refine", "simulated"), ("--refine=simulated", "simulated"), ("--refine=predicted", "predicted")]
+    {
+        let answer = bench.json(&format!("identify beam.csv --order 6 --estimate 1 {flag} -o {errors}.toml"));
+        let refined = &answer["refined"];
+        assert_eq!(refined["errors"], errors);
+        assert!(number(refined, "missed_after") < 0.99 * number(refined, "missed_before"), "{refined}");
+        assert!(number(refined, "iterations") > 0.0 && number(refined, "refine_s") > 0.0);
+        assert_eq!(refined["K"].is_null(), errors == "simulated", "{refined}");
+        let file = &bench.json(&format!("show {errors}.toml"))["content"]["identification"]["refinement"];
+        assert_eq!(file["missed_after"], refined["missed_after"]);
+        assert_ne!(answer["A"], plain["A"]);
+        assert!(number(&answer["physical"], "k1") > 0.0);
+        missed.push(number(refined, "missed_after"));
+    }
+    assert_eq!(missed[0], missed[1]);
+    // A step ahead is easier to tell than the whole record.
+    assert!(missed[2] < missed[0]);
+    let refused = bench.run("identify beam.csv --refine=guess -o no.toml");
+    assert_eq!(refused.status, 2);
+    assert!(!bench.path("no.toml").exists());
+}
+
+/// The first Ctrl-C ends the descent, and the best model until then is written.
+#[test]
+fn ctrl_c_ends_a_refinement_with_what_it_has() {
+    let bench = Bench::new();
+    bench.done("record --duration 300 --period 0.001 -o long.csv");
+    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_flexbeam"));
+    program.args("identify long.csv --order 12 --estimate 1 --refine --json -o long.toml".split(' '));
+    let pipe = std::process::Stdio::piped;
+    let child = program.current_dir(bench.path("")).stdout(pipe()).stderr(pipe()).spawn().expect("the program starts");
+    // The handler is there once the kernel says so: bit 1 of the signals that the process catches.
+    let status = format!("/proc/{}/status", child.id());
+    let catches = || {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let mask = text
+            .lines()
+            .find_map(|line| line.strip_prefix("SigCgt:"))
+            .and_then(|x| u64::from_str_radix(x.trim(), 16).ok());
+        mask.is_some_and(|mask| mask & 0b10 != 0)
+    };
+    let start = std::time::Instant::now();
+    while !catches() {
+        assert!(start.elapsed().as_secs() < 120, "the refinement never began");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    let id = nix::unistd::Pid::from_raw(child.id() as i32);
+    nix::sys::signal::kill(id, nix::sys::signal::Signal::SIGINT).expect("the signal is sent");
+    let asked = std::time::Instant::now();
+    let output = child.wait_with_output().expect("it ends");
+    println!("ended {:.2} s after Ctrl-C", asked.elapsed().as_secs_f64());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let answer: Value = serde_json::from_slice(&output.stdout).expect("an answer");
+    assert_eq!(answer["refined"]["reason"], "asked");
+    assert!(number(&answer["refined"], "missed_after") <= number(&answer["refined"], "missed_before"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("Ctrl-C"));
+    assert_eq!(bench.json("show long.toml")["content"]["identification"]["refinement"]["reason"], "asked");
+}

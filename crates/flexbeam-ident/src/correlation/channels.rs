@@ -28,7 +28,6 @@ impl<'a> Channels<'a> {
     }
 
     /// Columns of `data` are channels.
-    #[cfg(test)]
     pub fn of_columns(data: &'a Mat) -> Channels<'a> {
         let s = data.nrows();
         Channels {
@@ -49,6 +48,11 @@ impl<'a> Channels<'a> {
         assert!(range.end <= self.samples, "a part of {} samples", self.samples);
         let from = |&(data, stride): &(&'a [f64], usize)| (data.get(range.start * stride..).unwrap_or(&[]), stride);
         Channels { channels: self.channels.iter().map(from).collect(), samples: range.len() }
+    }
+
+    /// The channels from this one on.
+    pub fn from(&self, first: usize) -> Channels<'a> {
+        Channels { channels: self.channels[first..].to_vec(), samples: self.samples }
     }
 
     pub fn count(&self) -> usize {

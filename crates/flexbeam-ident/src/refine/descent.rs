@@ -12,7 +12,8 @@ use super::criterion::{Judged, Measure};
 use super::local::{Basis, Point, Structure};
 use super::reseat::reseated;
 use super::sensitivity::{Record, jacobian, second_moment};
-use super::{Poles, Progress, Reason, Settings};
+use super::{Progress, Reason, Settings};
+use crate::Poles;
 use crate::triangle::Triangle;
 
 /// Damping: first value, largest and smallest factor of a good step.
@@ -93,7 +94,7 @@ impl Descent<'_> {
     fn elsewhere(&self, end: &Descended, most_iterations: usize, watch: Watch) -> Option<Descended> {
         let Standing { point, judged, .. } = &end.standing;
         let settled = end.reason == Reason::Settled;
-        let point = reseated(point, self.record, self.structure.integrators, &judged.weight, settled)?;
+        let point = reseated(point, self.record, self.structure, &judged.weight, settled)?;
         let progress = Progress { iterations: end.iterations, missed: judged.missed };
         match self.standing(point, watch, progress) {
             ControlFlow::Continue(Some(start)) => Some(self.descend(start, most_iterations, COARSE, watch)),

@@ -24,6 +24,8 @@ pub fn refine_identified(
     let part = |M: &Mat, first: usize, count: usize| M.columns(first, count).into_owned();
     let (U_e, Y_e) = (part(&U, 0, s), part(&Y, 0, s));
     let refined = refine(&identified.model, &U_e, &Y_e, settings, watch)?;
+    let Y = without_means(&Y, refined.offset.as_slice());
+    let Y_e = part(&Y, 0, s);
     let scales = Scales::of(&U_e, &Y_e);
     let estimation_fit_percent = fits(&refined.model, &scales, &U_e, &Y_e)?;
     let fit_percent = match all - s {
@@ -34,6 +36,7 @@ pub fn refine_identified(
         continuous: sampling::inverse_zoh(&refined.model),
         model: refined.model.clone(),
         initial_state: refined.initial_state.clone(),
+        output_means: identified.output_means.iter().zip(&refined.offset).map(|(mean, d)| mean + d).collect(),
         fit_percent,
         estimation_fit_percent,
         ..identified.clone()

@@ -29,6 +29,8 @@ pub(crate) struct Structure {
     pub integrators: usize,
     /// D = 0.
     pub no_feedthrough: bool,
+    /// The last input is one at every sample and reaches the outputs alone: its column of D is an offset of each.
+    pub offset: bool,
 }
 
 /// Directions of [A B K; C D 0], a column each, row-major entries; and the initial state's beside them.
@@ -90,10 +92,12 @@ impl Point {
         let (n, m, _) = self.sizes();
         let (rows, columns) = self.shape();
         let q = structure.integrators;
+        let constant = |c: usize| structure.offset && c == n + m - 1;
         let free = |r: usize, c: usize| match (r < n, c < n) {
             (true, true) => (r < q && c < q && r < c) || (r >= q && c >= q),
-            (true, false) | (false, true) => true,
-            (false, false) => c < n + m && !structure.no_feedthrough,
+            (true, false) => !constant(c),
+            (false, true) => true,
+            (false, false) => c < n + m && (constant(c) || !structure.no_feedthrough),
         };
         (0..rows * columns).filter(|entry| free(entry / columns, entry % columns)).collect()
     }

@@ -8,7 +8,7 @@ use flexbeam_lti::simulation::simulate;
 use flexbeam_lti::sylvester::sylvester;
 use flexbeam_lti::{C64, Mat, StateSpace, Time, Vector};
 
-use super::local::Point;
+use super::local::{Point, Structure};
 use super::sensitivity::Record;
 
 /// A mode is idle when leaving it out raises the squares by less than this part of them.
@@ -32,10 +32,11 @@ struct Apart {
 pub(super) fn reseated(
     point: &Point,
     record: &Record,
-    integrators: usize,
+    structure: Structure,
     weight: &Mat,
     settled: bool,
 ) -> Option<Point> {
+    let integrators = structure.integrators;
     if point.K.is_some() {
         return None;
     }
@@ -48,7 +49,7 @@ pub(super) fn reseated(
     if settled && without.norm_squared() > (1.0 + IDLE) * left.norm_squared() {
         return None;
     }
-    placed(&idlest, integrators, record, weight, &without)
+    placed(&idlest, structure, record, weight, &without)
 }
 
 fn system(point: &Point) -> Option<StateSpace> {
@@ -111,11 +112,12 @@ fn apart(point: &Point, q: usize, mode: C64, record: &Record, weight: &Mat) -> O
 }
 
 /// The mode of the grid that explains most of `without`, in the place of the one that was taken out.
-fn placed(apart: &Apart, q: usize, record: &Record, weight: &Mat, without: &Mat) -> Option<Point> {
-    let (size, s) = (apart.size, record.W.ncols());
+fn placed(apart: &Apart, structure: Structure, record: &Record, weight: &Mat, without: &Mat) -> Option<Point> {
+    let (q, size, s) = (structure.integrators, apart.size, record.W.ncols());
+    let inputs = record.W.nrows() - usize::from(structure.offset);
     let mut best: Option<(f64, Mat, usize, Mat)> = None;
     for A in grid(size, s) {
-        for c in 0..record.W.nrows() {
+        for c in 0..inputs {
             let X = states(&A, &record.W, c);
             let gram = &X * X.transpose();
             let Some(gain) = gram.cholesky().map(|gram| gram.solve(&(&X * without.transpose())).transpose()) else {

@@ -10,10 +10,11 @@ use flexbeam_lti::{Mat, StateSpace, Time, Vector};
 use super::block_form::block_form;
 use super::descent::{Descent, Standing, Watch};
 use super::local::Point;
-use super::{Errors, Feedthrough, Progress, Settings};
-use crate::Error;
-use crate::output_map::input_matrices;
+use super::sensitivity::Record;
+use super::{Errors, Progress, Settings};
+use crate::output_map::{Unknowns, input_matrices};
 use crate::validate::validate;
+use crate::{Error, Feedthrough};
 
 /// A mirrored pole comes no nearer to the circle than this.
 const MIRRORED_MODULUS: f64 = 0.999;
@@ -37,7 +38,7 @@ pub(super) fn check(start: &StateSpace, U: &Mat, Y: &Mat, settings: &Settings) -
             n * l
         }
     };
-    let parameters = n * (m + l) + m * l + n + gain;
+    let parameters = n * (m + l) + m * l + n + gain + if settings.offset { l } else { 0 };
     let needed = parameters.div_ceil(l.max(1)) + 1;
     if U.ncols() < needed {
         return Err(Error::TooFewSamples { what: "refinement", found: U.ncols(), needed, block_rows: 1 });
@@ -63,19 +64,15 @@ fn expect_shape(what: &'static str, M: &Mat, rows: usize, columns: usize) -> Res
 }
 
 /// The start in block form; besides, with unstable poles mirrored, where that may help.
-pub(super) fn candidates(
-    start: &StateSpace,
-    U: &Mat,
-    Y: &Mat,
-    settings: &Settings,
-) -> Result<Vec<(StateSpace, Vector)>, Error> {
+pub(super) fn candidates(start: &StateSpace, U: &Mat, Y: &Mat, settings: &Settings) -> Result<Vec<Start>, Error> {
     let initial_state = validate(start, U, Y)?.initial_state;
     let form = block_form(start, &initial_state, settings.integrators)?;
     let no_feedthrough = settings.feedthrough == Feedthrough::Zero && start.D.iter().any(|d| *d != 0.0);
     let given = if form.was_moved() || no_feedthrough {
         refitted(&form.model, U, Y, settings)?
     } else {
-        (form.model.clone(), form.initial_state)
+        let offset = Vector::zeros(form.model.outputs());
+        Start { model: form.model.clone(), initial_state: form.initial_state, offset }
     };
     let mirrored = match mirrored(&form.model, settings.integrators)? {
         Some(model) => Some(refitted(&model, U, Y, settings)?),
@@ -84,14 +81,19 @@ pub(super) fn candidates(
     Ok([Some(given), mirrored].into_iter().flatten().collect())
 }
 
-/// B, D and x(0) by linear least squares on the simulated output.
-fn refitted(model: &StateSpace, U: &Mat, Y: &Mat, settings: &Settings) -> Result<(StateSpace, Vector), Error> {
-    let found = input_matrices(&model.A, &model.C, &U.transpose(), &Y.transpose());
-    let D = match settings.feedthrough {
-        Feedthrough::Free => found.D,
-        Feedthrough::Zero => Mat::zeros(model.outputs(), model.inputs()),
-    };
-    Ok((StateSpace::new(model.A.clone(), found.B, model.C.clone(), D, model.time)?, found.initial_state))
+/// A model with its initial state, and a constant on each output.
+pub(super) struct Start {
+    model: StateSpace,
+    initial_state: Vector,
+    offset: Vector,
+}
+
+/// B, D, x(0) and the offsets by linear least squares on the simulated output.
+fn refitted(model: &StateSpace, U: &Mat, Y: &Mat, settings: &Settings) -> Result<Start, Error> {
+    let unknowns = Unknowns { feedthrough: settings.feedthrough, offset: settings.offset };
+    let found = input_matrices(&model.A, &model.C, &U.transpose(), &Y.transpose(), unknowns);
+    let model = StateSpace::new(model.A.clone(), found.B, model.C.clone(), found.D, model.time)?;
+    Ok(Start { model, initial_state: found.initial_state, offset: found.offset })
 }
 
 /// Poles outside the circle mirrored into it, known integrators apart; None when there are none.
@@ -121,16 +123,26 @@ fn modulus(A: &Mat) -> f64 {
 /// Errors: [`Error::Overflow`] when all of them overflow.
 pub(super) fn best(
     descent: &Descent,
-    candidates: Vec<(StateSpace, Vector)>,
+    candidates: Vec<Start>,
     gain: Option<Option<Mat>>,
     watch: Watch,
 ) -> Result<Standing, Error> {
     let mut best: Option<Standing> = None;
-    for (StateSpace { A, B, C, D, .. }, initial_state) in candidates {
+    for Start { model: StateSpace { A, mut B, C, mut D, .. }, initial_state, offset } in candidates {
+        if descent.structure.offset {
+            let m = D.ncols();
+            (B, D) = (B.resize_horizontally(m + 1, 0.0), D.resize_horizontally(m + 1, 0.0));
+            D.set_column(m, &offset);
+        }
         let K = gain.clone().map(|K| K.unwrap_or_else(|| Mat::zeros(A.nrows(), C.nrows())));
         let point = Point { A, B, C, D, K, initial_state };
         let progress = Progress { iterations: 0, missed: f64::INFINITY };
-        let ControlFlow::Continue(Some(standing)) = descent.standing(point, watch, progress) else { continue };
+        // Whoever has had enough already still gets the start, which costs one simulation.
+        let mut patient = |progress: &Progress| {
+            let _ = watch(progress);
+            ControlFlow::Continue(())
+        };
+        let ControlFlow::Continue(Some(standing)) = descent.standing(point, &mut patient, progress) else { continue };
         if best.as_ref().is_none_or(|best| standing.judged.cost < best.judged.cost) {
             best = Some(standing);
         }
@@ -138,10 +150,17 @@ pub(super) fn best(
     best.ok_or(Error::Overflow { samples: descent.record.Y.ncols() })
 }
 
-/// [U; Y].
-pub(super) fn stacked(U: &Mat, Y: &Mat) -> Mat {
-    let mut both = Mat::zeros(U.nrows() + Y.nrows(), U.ncols());
-    both.rows_mut(0, U.nrows()).copy_from(U);
-    both.rows_mut(U.nrows(), Y.nrows()).copy_from(Y);
-    both
+/// What the predictor is driven by, [U; 1; Y] as far as it is, and the output to be met.
+pub(super) fn record(U: Mat, Y: Mat, settings: &Settings) -> Record {
+    let mut W = U;
+    if settings.offset {
+        let m = W.nrows();
+        W = W.resize_vertically(m + 1, 1.0);
+    }
+    if settings.errors != Errors::Simulated {
+        let v = W.nrows();
+        W = W.resize_vertically(v + Y.nrows(), 0.0);
+        W.rows_mut(v, Y.nrows()).copy_from(&Y);
+    }
+    Record { W, Y }
 }

@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 use super::*;
 use crate::excitation::white_gaussian;
 use flexbeam_lti::Time;
-use sensitivity::{jacobian, second_moment};
+use sensitivity::{Record, jacobian, second_moment};
 
 fn mix(r: usize, c: usize, salt: usize) -> f64 {
     (((r + 2) * (c + 3)) as f64 * 1.7 + salt as f64).sin()
@@ -30,7 +30,8 @@ fn point(gain: bool) -> Point {
 fn record(gain: bool) -> Record {
     let white = |seed: u64| Mat::from_row_slice(2, 300, &white_gaussian(600, 1.0, 9.0, seed));
     let (U, Y) = (white(1), white(2));
-    Record { W: if gain { start::stacked(&U, &Y) } else { U }, Y }
+    let errors = if gain { Errors::Predicted(None) } else { Errors::Simulated };
+    start::record(U, Y, &Settings { errors, ..Settings::default() })
 }
 
 fn going() -> impl FnMut() -> ControlFlow<()> {
@@ -47,7 +48,7 @@ fn squares(point: &Point, record: &Record, weight: &Mat) -> f64 {
 fn gradients_are_exact_for_simulation_and_prediction() {
     let weight = Mat::from_row_slice(2, 2, &[1.0, 0.0, 0.6, 0.4]);
     for (gain, integrators) in [(false, 0), (false, 1), (true, 0), (true, 1)] {
-        let structure = Structure { integrators, no_feedthrough: false };
+        let structure = Structure { integrators, no_feedthrough: false, offset: false };
         let (point, record) = (point(gain), record(gain));
         let basis = point.basis(structure);
         let predictor = point.predictor();
@@ -85,7 +86,7 @@ fn a_change_of_basis_is_no_direction() {
     let after = squares(&balanced, &record, &Mat::identity(2, 2));
     assert!((before / after - 1.0).abs() < 1e-10, "balancing changed the output: {before} {after}");
     assert!((&balanced.A - &point.A).norm() > 1e-3 && balanced.A[(0, 0)] == 1.0);
-    let structure = Structure { integrators: 1, no_feedthrough: true };
+    let structure = Structure { integrators: 1, no_feedthrough: true, offset: false };
     assert!(balanced.basis(structure).is_orthonormal(1e-12));
 }
 

@@ -20,6 +20,10 @@ pub(super) fn text(arguments: &cli::Identify, experiment: &Experiment, found: &F
         identified.block_rows,
         engineering(found.identify_s, 3, "s"),
     );
+    if let Some(refinement) = &found.refinement {
+        text.pop();
+        text += &format!("{}\n\n", refinement.text());
+    }
     let model = identified.continuous.as_ref().unwrap_or(&identified.model);
     text += &poles::table(model).text();
     text += "\n";

@@ -1,6 +1,8 @@
 //! What each kind of file holds, in words and tables.
 
-use flexbeam_files::{Certificate, ColumnSummary, Controller, LoopFigures, Model, Note, RecordingSummary, Rig};
+use flexbeam_files::{
+    Certificate, ColumnSummary, Controller, LoopFigures, Model, Note, RecordingSummary, Refinement, Rig,
+};
 use flexbeam_kernel as kernel;
 use flexbeam_lti::StateSpace;
 use flexbeam_report::{Cell, Table, engineering, significant};
@@ -37,6 +39,11 @@ fn function(num: &[f64], den: &[f64]) -> Option<String> {
     Some(format!("[{}] / [{}], highest power first", coefficients(num), coefficients(den)))
 }
 
+fn refined(refinement: &Refinement) -> String {
+    let Refinement { errors, iterations, missed_after, .. } = refinement;
+    format!("{errors} errors, {iterations} steps, {:.4} % of the outputs missed", 100.0 * missed_after)
+}
+
 /// Order, period, signals, poles, fits, physical parameters.
 pub(super) fn model(model: &Model, system: &StateSpace) -> String {
     let found = model.identification.as_ref();
@@ -51,6 +58,7 @@ pub(super) fn model(model: &Model, system: &StateSpace) -> String {
         ("inputs", Some(model.inputs.join(", "))),
         ("outputs", Some(model.outputs.join(", "))),
         ("identified by", found.map(|i| format!("{}, {} block rows", i.method, i.block_rows))),
+        ("refined by", found.and_then(|i| i.refinement.as_ref()).map(refined)),
         ("estimated from", found.and_then(|i| i.samples).map(|samples| format!("{samples} samples"))),
         ("uncertainty", model.uncertainty.as_ref().and_then(|u| function(&u.num, &u.den))),
         ("at stability degree", model.uncertainty.as_ref().and_then(|u| number(u.beta, "1/s"))),
