@@ -3,7 +3,7 @@
 use crate::number::hexadecimal;
 use crate::numbers::Numbers;
 use crate::settings::in_c;
-use crate::template::filled;
+use crate::template::{ARITHMETIC, filled};
 use crate::vectors::{Check, SingleFigures, Vectors};
 use crate::{Error, Name, Options, Precision, Source, Sources, Subject, heading};
 use flexbeam_kernel::{Commanded, Measured};
@@ -101,6 +101,7 @@ impl Text {
         let inputs: Vec<String> = check.ticks.iter().map(|(measured, _)| row(&inputs(measured))).collect();
         let answers: Vec<String> = check.ticks.iter().map(|(_, commanded)| row(&answers(commanded))).collect();
         let marks = [
+            ("ARITHMETIC", ARITHMETIC.trim_end()),
             ("MANTISSA_DIGITS", mantissa),
             ("DIGITS", &digits.to_string()),
             ("GAINS", &self.gains(numbers)),

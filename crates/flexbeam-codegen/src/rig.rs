@@ -9,7 +9,7 @@ pub(crate) use parameters::{Kind, Parameter, parameters};
 
 use crate::heading::wrapped;
 use crate::number::hexadecimal;
-use crate::template::filled;
+use crate::template::{ARITHMETIC, filled};
 use crate::{Error, Name, Precision, Source};
 use check::Check;
 use flexbeam_files::sha256_hex;
@@ -128,6 +128,7 @@ fn matrices(numbers: &RigNumbers<'_>) -> Marks {
 /// The same for every rig.
 fn fixed_numbers() -> Marks {
     vec![
+        ("ARITHMETIC", ARITHMETIC.trim_end().to_owned()),
         ("EXP_COUNT", elementary::EXP_TERMS.len().to_string()),
         ("EXP_TERMS", lines(&elementary::EXP_TERMS)),
         ("EXP_IS_ZERO", number(elementary::EXP_IS_ZERO)),

@@ -1,5 +1,8 @@
 //! Fixed text with marks in it.
 
+/// What the arithmetic of every text in C must be, for the preprocessor.
+pub(crate) const ARITHMETIC: &str = include_str!("../templates/arithmetic.c");
+
 /// `template` with its marks filled in.
 ///
 /// Panics: a mark that the template does not have, or one that nothing fills, is our own bug.

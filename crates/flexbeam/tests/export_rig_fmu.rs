@@ -6,7 +6,9 @@ mod support;
 use std::collections::VecDeque;
 use std::process::Command;
 
-use flexbeam_rig::{Friction, RigParameters, SimulatedRig, Stribeck};
+use flexbeam_rig::{
+    Actuator, Beam, Damping, Encoder, Friction, Gauge, GaugeSees, Link, RigParameters, Sensors, SimulatedRig, Stribeck,
+};
 use support::{Bench, pseudorandom, python};
 
 const CONTROLLER: &str = include_str!("../../flexbeam-codegen/tests/data/reproduce.toml");
@@ -34,6 +36,22 @@ noise_rad = 0.001
 bias_rad = -0.02
 converter_step_rad = 0.0
 "#;
+
+/// What [`RIG`] says; the delay is not the rig's own.
+fn as_in_the_file() -> RigParameters {
+    let default = RigParameters::default();
+    let stribeck = Some(Stribeck { extra_nm: 0.006, speed_rad_s: 0.15 });
+    let gauge = Gauge { sees: GaugeSees::RootStrain, noise_rad: 0.001, bias_rad: -0.02, converter_step_rad: None };
+    RigParameters {
+        period_s: 0.002,
+        substeps: 2,
+        link: Link::Modes { count: 5, damping: Damping::Modal { zeta: Beam::ZETA }, tip_mass_kg: 0.01 },
+        actuator: Actuator { converter_step_v: None, limit_v: 6.0, ..default.actuator },
+        friction: Friction { coulomb_nm: 0.0125, stribeck },
+        sensors: Sensors { encoder: Encoder { counts_per_turn: None }, gauge },
+        ..default
+    }
+}
 
 /// Rests, holds, ramps through breakaway, noise beyond the limit.
 fn voltages(count: usize) -> Vec<f64> {
@@ -91,22 +109,7 @@ fn under_fmpy(bench: &Bench, words: &[&str], expected: &str) {
 fn another_importer_finds_the_simulated_rig_s_bits() {
     let bench = Bench::new();
     bench.write("rig.toml", RIG);
-    let stribeck = Some(Stribeck { extra_nm: 0.006, speed_rad_s: 0.15 });
-    let mut other = RigParameters { period_s: 0.002, substeps: 2, ..RigParameters::default() };
-    other.link = flexbeam_rig::Link::Modes {
-        count: 5,
-        damping: flexbeam_rig::Damping::Modal { zeta: flexbeam_rig::Beam::ZETA },
-        tip_mass_kg: 0.01,
-    };
-    other.actuator = flexbeam_rig::Actuator { converter_step_v: None, limit_v: 6.0, ..other.actuator };
-    other.friction = Friction { coulomb_nm: 0.0125, stribeck };
-    other.sensors.encoder.counts_per_turn = None;
-    other.sensors.gauge = flexbeam_rig::Gauge {
-        sees: flexbeam_rig::GaugeSees::RootStrain,
-        noise_rad: 0.001,
-        bias_rad: -0.02,
-        converter_step_rad: None,
-    };
+    let other = as_in_the_file();
     std::fs::write(bench.path("paper"), periods(&RigParameters::default(), 1, 0, 20_000)).expect("written");
     std::fs::write(bench.path("other"), periods(&other, 77, 2, 10_000)).expect("written");
     for version in ["2", "3"] {
@@ -121,18 +124,22 @@ fn another_importer_finds_the_simulated_rig_s_bits() {
 #[test]
 fn parameters_set_by_the_host_are_a_rig_made_of_them() {
     let bench = Bench::new();
-    let mut parameters = RigParameters::default();
-    parameters.actuator = flexbeam_rig::Actuator {
-        converter_step_v: Some(0.01),
-        limit_v: 5.0,
-        dead_zone_plus_v: 0.1,
-        dead_zone_minus_v: 0.3,
-    };
+    let default = RigParameters::default();
     let stribeck = Some(Stribeck { extra_nm: 0.01, speed_rad_s: 0.3 });
-    parameters.friction = Friction { coulomb_nm: 0.02, stribeck };
-    parameters.sensors.encoder.counts_per_turn = Some(1000);
-    parameters.sensors.gauge =
-        flexbeam_rig::Gauge { noise_rad: 0.002, bias_rad: 0.01, converter_step_rad: None, ..parameters.sensors.gauge };
+    let parameters = RigParameters {
+        actuator: Actuator {
+            converter_step_v: Some(0.01),
+            limit_v: 5.0,
+            dead_zone_plus_v: 0.1,
+            dead_zone_minus_v: 0.3,
+        },
+        friction: Friction { coulomb_nm: 0.02, stribeck },
+        sensors: Sensors {
+            encoder: Encoder { counts_per_turn: Some(1000) },
+            gauge: Gauge { noise_rad: 0.002, bias_rad: 0.01, converter_step_rad: None, ..default.sensors.gauge },
+        },
+        ..default
+    };
     std::fs::write(bench.path("periods"), periods(&parameters, 2_147_483_647, 1, 5_000)).expect("written");
     let given = "seed=2147483647 delay_periods=1 actuator.converter_step_v=0.01 actuator.limit_v=5 \
                  actuator.dead_zone_plus_v=0.1 actuator.dead_zone_minus_v=0.3 friction.coulomb_nm=0.02 \

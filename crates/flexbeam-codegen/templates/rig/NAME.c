@@ -6,16 +6,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#if !defined FLT_EVAL_METHOD || FLT_EVAL_METHOD != 0
-#error "needs arithmetic in the precision of its operands (FLT_EVAL_METHOD 0): on 32-bit x86, build with -msse2 -mfpmath=sse"
-#endif
-#if defined __FAST_MATH__ || (defined __FINITE_MATH_ONLY__ && __FINITE_MATH_ONLY__ != 0)
-#error "needs IEEE arithmetic: build without -ffast-math and without -ffinite-math-only"
-#endif
-/* gcc warns of this pragma and heeds -ffp-contract=off alone. */
-#ifdef __clang__
-#pragma STDC FP_CONTRACT OFF
-#endif
+@ARITHMETIC@
 
 /* A compiler with another format of numbers stops here. */
 typedef char NAME_needs_ieee_754[FLT_RADIX == 2 && DBL_MANT_DIG == 53 ? 1 : -1];
