@@ -90,7 +90,7 @@ fn unit_in_host(order: usize, version: Version) -> (std::path::PathBuf, String) 
     std::fs::write(folder.join("host.c"), host).expect("written");
     let compiled: Vec<&str> = unit.compiled.iter().map(String::as_str).collect();
     compile("gcc", &["-O2", "-fPIC", "-shared", "-fvisibility=hidden"], &compiled, "libbeam.so", &folder);
-    let program = compile("gcc", &["-O2", "-Wl,-rpath,$ORIGIN"], &["host.c", "./libbeam.so"], "host", &folder);
+    let program = compile("gcc", &["-O2", "-Wl,-rpath,$ORIGIN"], &["host.c", "-L.", "-lbeam"], "host", &folder);
     let description = unit.files.iter().find(|file| file.path == "modelDescription.xml").expect("a description");
     let guid = description.text.split('"').find(|text| text.starts_with('{')).expect("a token");
     (program, guid.to_owned())
