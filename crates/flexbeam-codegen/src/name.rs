@@ -115,7 +115,7 @@ const HEADERS: [&str; 24] = [
 
 /// Files of ours, targets of make and CMake, crates of Rust's own, devices of Windows, and `byte`, whose BYTE_ORDER is a macro of
 /// many systems.
-const RESERVED: [&str; 26] = [
+const RESERVED: [&str; 29] = [
     "all",
     "alloc",
     "aux",
@@ -123,13 +123,16 @@ const RESERVED: [&str; 26] = [
     "clean",
     "con",
     "core",
+    "flexbeam",
     "flexbeam_frame",
     "fmi2",
     "fmi3",
     "fmu",
+    "gnumakefile",
     "help",
     "install",
     "main_udp",
+    "makefile",
     "nul",
     "package",
     "plain_arithmetic",
@@ -173,6 +176,8 @@ mod tests {
             ("test", "taken"),
             ("NUL", "taken"),
             ("byte", "taken"),
+            ("flexbeam", "taken"),
+            ("Makefile", "taken"),
             (&"x".repeat(41), "too long"),
         ] {
             let message = Name::new(bad).unwrap_err().to_string();

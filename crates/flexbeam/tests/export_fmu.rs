@@ -63,6 +63,7 @@ fn the_same_controller_gives_the_same_archive() {
         let export = |out: &str| bench.json(&format!("export controller.toml --as fmu --fmi {version} -o {out}"));
         let (one, two) = (export(&format!("one_{version}.fmu")), export(&format!("two_{version}.fmu")));
         assert_eq!(one["sha256"], two["sha256"]);
+        assert_eq!(export(&format!("one_{version}.fmu"))["sha256"], one["sha256"], "nothing is written over");
         assert_eq!((&one["format"], &one["fmi"]), (&"fmu".into(), &format!("{version}.0").into()));
         let files: Vec<&str> = one["files"].as_array().expect("a list").iter().filter_map(|f| f.as_str()).collect();
         let platform = if version == "2" { "linux64" } else { "x86_64-linux" };

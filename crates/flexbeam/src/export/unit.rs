@@ -3,7 +3,7 @@
 use flexbeam_codegen::fmu::{self, SOURCES, Unit, Version};
 use flexbeam_codegen::{Name, Precision, Subject};
 use flexbeam_files::{
-    Controller, Document, Overwrite, UnitResult, check_free, json_text, read_bytes, sha256_hex, write_bytes, zip_bytes,
+    Controller, Document, Overwrite, UnitResult, json_text, read_bytes, sha256_hex, write_bytes, zip_bytes,
 };
 
 use super::compiler::{self, Platform};
@@ -21,7 +21,6 @@ pub(super) fn export(arguments: &cli::Export) -> Result<(), Failure> {
         false => Some(Platform::of_this_machine(version).map_err(Failure::while_trying(tried()))?),
     };
     let overwrite = if arguments.force { Overwrite::Allow } else { Overwrite::Refuse };
-    check_free(&arguments.out, overwrite)?;
     let file = Controller::read(&arguments.file)?;
     let sha256 = sha256_hex(&read_bytes(&arguments.file)?);
     let settings = kernel_settings(&file.settings, None);
