@@ -28,7 +28,7 @@ fn another_importer_finds_the_kernels_bits() {
         let period_s = bench.json(&line)["period_s"].as_f64().expect("a number").to_string();
         let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/python/run_fmu.py");
         let mut run = Command::new(&python);
-        run.arg(script).args([bench.path(&unit), bench.path("c/test_vectors.c")]).arg(&period_s);
+        run.args(["-B", script]).args([bench.path(&unit), bench.path("c/test_vectors.c")]).arg(&period_s);
         // FMPy's own CMake file asks for a C++ compiler, too; gcc's needs a package more.
         run.args((!binary.is_empty()).then_some("--build")).env("CXX", "clang++");
         let output = run.output().expect("Python starts");
