@@ -15,7 +15,7 @@ struct Need {
     why: &'static str,
 }
 
-const NEEDS: [Need; 12] = [
+const NEEDS: [Need; 13] = [
     Need {
         package: "chromium",
         proof: &["chromium", "--version"],
@@ -59,6 +59,11 @@ const NEEDS: [Need; 12] = [
         why: "its headers and library",
     },
     Need { package: "qemu-system-arm", proof: &["qemu-system-arm", "--version"], why: "runs it there" },
+    Need {
+        package: "valgrind",
+        proof: &["valgrind", "--version"],
+        why: "counts the instructions of a tick, in a bench",
+    },
     Need {
         package: "octave-control",
         proof: &["octave-cli", "--norc", "--no-history", "--eval", "pkg load control"],

@@ -97,11 +97,16 @@ fn unit_in_host(order: usize, version: Version) -> (std::path::PathBuf, String) 
     for (path, text) in unit.files.iter().filter_map(|f| Some((f.path.strip_prefix(SOURCES)?, &f.text))) {
         std::fs::write(folder.join(path), text).expect("written");
     }
-    let host = if version == Version::Two { include_str!("fmu/host_2.c") } else { include_str!("fmu/host_3.c") };
-    std::fs::write(folder.join("host.c"), host).expect("written");
+    let interface = if version == Version::Two { include_str!("fmu/host_2.c") } else { include_str!("fmu/host_3.c") };
+    let host =
+        [("host.h", include_str!("fmu/host.h")), ("host.c", include_str!("fmu/host.c")), ("interface.c", interface)];
+    for (path, text) in host {
+        std::fs::write(folder.join(path), text).expect("written");
+    }
     let compiled: Vec<&str> = unit.compiled.iter().map(String::as_str).collect();
     compile("gcc", &["-O2", "-fPIC", "-shared", "-fvisibility=hidden"], &compiled, "libbeam.so", &folder);
-    let program = compile("gcc", &["-O2", "-Wl,-rpath,$ORIGIN"], &["host.c", "./libbeam.so"], "host", &folder);
+    let program =
+        compile("gcc", &["-O2", "-Wl,-rpath,$ORIGIN"], &["host.c", "interface.c", "-L.", "-lbeam"], "host", &folder);
     let description = unit.files.iter().find(|file| file.path == "modelDescription.xml").expect("a description");
     let guid = description.text.split('"').find(|text| text.starts_with('{')).expect("a token");
     (program, guid.to_owned())

@@ -120,7 +120,7 @@ const HEADERS: [&str; 24] = [
 
 /// Files of ours, targets of make and CMake, crates of Rust's own, devices of Windows, and `byte`, whose BYTE_ORDER is a macro of
 /// many systems.
-const RESERVED: [&str; 27] = [
+const RESERVED: [&str; 30] = [
     "all",
     "alloc",
     "aux",
@@ -128,13 +128,16 @@ const RESERVED: [&str; 27] = [
     "clean",
     "con",
     "core",
+    "flexbeam",
     "flexbeam_frame",
     "fmi2",
     "fmi3",
     "fmu",
+    "gnumakefile",
     "help",
     "install",
     "main_udp",
+    "makefile",
     "memory",
     "nul",
     "package",
@@ -179,6 +182,8 @@ mod tests {
             ("test", "taken"),
             ("NUL", "taken"),
             ("byte", "taken"),
+            ("flexbeam", "taken"),
+            ("Makefile", "taken"),
             (&"x".repeat(41), "too long"),
         ] {
             let message = Name::new(bad).unwrap_err().to_string();

@@ -32,17 +32,22 @@ const BOARDS: [Board; 3] = [
     },
 ];
 
-/// Bytes at the end of a frame that nothing was written to, at most: what is called in rare cases takes most.
-const UNWRITTEN: u64 = 32;
+/// -fstack-usage does not count the part of a structure that came in registers and is put back on the stack.
+const PUT_BACK: u64 = 8;
+
+/// Bytes of the frames that these ticks wrote nothing to, at most: those of a fault, and what is called for one.
+const UNWRITTEN: u64 = 64;
 
 /// What a board says.
 struct Ran {
     sum: String,
     instructions: u64,
     stack: u64,
-    /// Of the tick's own frame, as the compiler says.
-    frame: u64,
-    /// Of the deepest routine that it calls, as the disassembly says.
+    /// What the compiler says of the tick's own frame.
+    usage: u64,
+    /// The same by the disassembly.
+    own: u64,
+    /// Of the deepest routine that it calls, by the disassembly.
     below: u64,
     code: u64,
 }
@@ -54,7 +59,7 @@ fn on_board(board: &Board, folder: &Path) -> Ran {
     let mut object = arguments.clone();
     object.extend(["-fstack-usage", "-c", "beam.c", "-o", "beam_arm.o"]);
     succeeds("arm-none-eabi-gcc", &object, folder);
-    let frame = stack_usage(folder, "beam_arm.su", "beam_tick");
+    let usage = stack_usage(folder, "beam_arm.su", "beam_tick");
     let size = succeeds("arm-none-eabi-size", &["beam_arm.o"], folder);
     let code = size.lines().nth(1).and_then(|line| line.split_whitespace().next()?.parse().ok()).expect("a size");
     // The start of a board reads and writes what the linker names, and writes by register: no -Wpedantic there.
@@ -75,7 +80,8 @@ fn on_board(board: &Board, folder: &Path) -> Ran {
         assert_eq!(stack_usage(folder, "beam.elf-board.su", painter), 0, "{painter} paints over itself");
     }
     let frames = Frames::of_arm(&succeeds("arm-none-eabi-objdump", &["-d", "beam.elf"], folder));
-    assert_eq!(frames.own("beam_tick"), frame, "{}: -fstack-usage and the disassembly", board.name);
+    let own = frames.own("beam_tick");
+    assert!([own, own - PUT_BACK].contains(&usage), "{}: {own} bytes, -fstack-usage says {usage}", board.name);
     let machine =
         ["-M", board.machine, "-display", "none", "-monitor", "none", "-serial", "none", "-icount", "shift=0"];
     let semihosting = ["-semihosting-config", "enable=on,target=native", "-kernel", "beam.elf"];
@@ -91,7 +97,8 @@ fn on_board(board: &Board, folder: &Path) -> Ran {
         sum: value("sum"),
         instructions: number("instructions"),
         stack: number("stack"),
-        frame,
+        usage,
+        own,
         below: frames.below("beam_tick"),
         code,
     }
@@ -154,7 +161,8 @@ fn a_cortex_m_computes_the_host_s_bits() {
         ("board.ld", include_str!("cortex_m/board.ld")),
     ];
     println!(
-        "| processor | precision | instructions a tick | stack: painted, of the tick, of what it calls [bytes] | code and constants [bytes] |\n|---|---|---|---|---|"
+        "| processor | precision | instructions a tick | stack, painted | -fstack-usage | disassembly | code and constants [bytes] |\n\
+         |---|---|---|---|---|---|---|"
     );
     for precision in [Precision::F64, Precision::F32] {
         let folder = written(&format!("cortex_m_{precision:?}"), &sources(&reproduced(), precision, &Language::C));
@@ -175,9 +183,12 @@ fn a_cortex_m_computes_the_host_s_bits() {
                 ran.instructions,
                 ran.stack
             );
-            let Ran { instructions, stack, frame, below, code, .. } = ran;
-            assert!(stack <= frame + below && stack + UNWRITTEN >= frame + below, "{stack} of {frame} + {below} bytes");
-            println!("| {} | {precision:?} | {instructions} | {stack}, {frame}, {below} | {code} |", board.name);
+            let Ran { instructions, stack, usage, own, below, code, .. } = ran;
+            assert!(stack <= own + below && stack + UNWRITTEN >= own + below, "{stack} of {own} + {below} bytes");
+            println!(
+                "| {} | {precision:?} | {instructions} | {stack} | {usage} | {own} + {below} | {code} |",
+                board.name
+            );
         }
     }
 }

@@ -17,7 +17,7 @@ impl Frames {
         for line in text.lines() {
             let words: Vec<&str> = line.split_whitespace().collect();
             match words.as_slice() {
-                [label] if label.ends_with(':') && !label.starts_with('.') => {
+                [label] | [label, "#", ..] if label.ends_with(':') && !label.starts_with('.') => {
                     name = label.trim_end_matches(':').to_owned();
                     frames.own.insert(name.clone(), 8);
                 }
@@ -51,16 +51,18 @@ impl Frames {
                         frames.call(&name, target);
                     }
                 }
-                let leaves = operands.contains("pc}") || operands.trim() == "lr";
-                ended = ["b", "b.n", "b.w"].contains(&word) || leaves && !word.starts_with("push");
+                // Alignment and constants behind the end are never reached.
+                ended = match word.trim_end_matches(".n").trim_end_matches(".w") {
+                    word if word == "nop" || word.starts_with('.') => ended,
+                    "b" => true,
+                    "bx" => operands.trim() == "lr",
+                    "pop" | "ldmia" => operands.contains("pc}"),
+                    "ldr" => operands.starts_with("pc, [sp]"),
+                    _ => false,
+                };
             }
         }
         frames
-    }
-
-    /// Of the function, and of the deepest that it reaches.
-    pub fn depth(&self, name: &str) -> u64 {
-        self.own(name) + self.below(name)
     }
 
     /// Its own.
@@ -69,8 +71,21 @@ impl Frames {
     }
 
     /// What it calls takes; zero when it calls nothing.
-    pub fn below(&self, name: &str) -> u64 {
-        self.calls.get(name).into_iter().flatten().map(|callee| self.depth(callee)).max().unwrap_or(0)
+    pub fn below<'a>(&'a self, name: &'a str) -> u64 {
+        self.deepest(name, &mut vec![name])
+    }
+
+    /// Routines of one text that jump into each other take their bytes once: a jump back into what is on the way adds nothing.
+    fn deepest<'a>(&'a self, name: &str, way: &mut Vec<&'a str>) -> u64 {
+        let mut deepest = 0;
+        for callee in self.calls.get(name).into_iter().flatten().map(String::as_str) {
+            if !way.contains(&callee) {
+                way.push(callee);
+                deepest = deepest.max(self.own(callee) + self.deepest(callee, way));
+                way.pop();
+            }
+        }
+        deepest
     }
 
     /// The one function whose mangled name holds these words.
@@ -102,13 +117,14 @@ fn lowered(word: &str, operands: &str) -> u64 {
         let text = operands.split(after).nth(1).expect("a number").split([']', ' ', '\t', '@']).next().unwrap();
         text.parse().expect("a whole number")
     };
-    match word.trim_end_matches(".w") {
-        "push" | "stmdb" if word == "push" || operands.starts_with("sp!") => listed(4),
+    let plain = word.trim_end_matches(".w");
+    match plain {
+        "push" | "stmdb" if plain == "push" || operands.starts_with("sp!") => listed(4),
         "vpush" => listed(if operands.contains("{d") { 8 } else { 4 }),
         "sub" | "subw" if operands.starts_with("sp, sp, #") => immediate("sp, sp, #"),
         "sub" if operands.starts_with("sp, #") => immediate("sp, #"),
         "str" | "strd" if operands.contains("[sp, #-") && operands.contains("]!") => immediate("[sp, #-"),
-        _ if operands.starts_with("sp, ") && !["add", "addw", "mov", "cmp"].contains(&word) => {
+        _ if operands.starts_with("sp, ") && !["add", "addw", "mov", "cmp", "stmia", "ldmia"].contains(&plain) => {
             panic!("{word} {operands}: what does it do to the stack pointer?")
         }
         _ => 0,

@@ -11,7 +11,7 @@ use flexbeam_kernel::Settings;
 
 use super::single;
 use crate::controller_file::kernel_settings;
-use crate::output::say;
+use crate::output::{say, waiting};
 use crate::verify::broken_figures;
 use crate::{Failure, cli};
 
@@ -58,10 +58,12 @@ fn sources(
     let (figures, unverified) = checked(arguments, file, &settings, options.precision)?;
     let subject =
         Subject { controller: file, settings: &settings, sha256, figures: &figures, unverified: unverified.as_deref() };
+    let sign = (options.precision == Precision::F32).then(|| waiting("bounding what f32 rounds away"));
     let sources = match arguments.form {
         cli::Form::Rust => rust::sources(&subject, options),
         _ => c::sources(&subject, options),
     };
+    sign.inspect(|sign| sign.finish_and_clear());
     let tried = format!("export {}", arguments.file.display());
     Ok((sources.map_err(Failure::while_trying(tried))?, unverified))
 }

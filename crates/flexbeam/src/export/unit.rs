@@ -41,11 +41,11 @@ pub(super) fn export(arguments: &cli::Export) -> Result<(), Failure> {
         false => Some(Platform::of_this_machine(version).map_err(Failure::while_trying(tried()))?),
     };
     let overwrite = if arguments.force { Overwrite::Allow } else { Overwrite::Refuse };
-    check_free(&arguments.out, overwrite)?;
     let written = match of_rig {
         true => rig(arguments, &name, version)?,
         false => controller(arguments, &name, version)?,
     };
+    check_free(&arguments.out, overwrite)?;
     let binary = match platform {
         None => None,
         Some(platform) => Some(compiled(&written.unit, &name, &platform).map_err(Failure::while_trying(tried()))?),
