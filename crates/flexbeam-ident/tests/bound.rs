@@ -93,7 +93,7 @@ fn the_bound_covers_the_true_difference_on_the_shifted_line() {
 #[test]
 fn a_mode_beyond_the_line_is_named() {
     let (inputs, outputs) = recording(3);
-    let found = full(&inputs, &outputs, &Options::default()).unwrap();
+    let found = full(&inputs, &outputs, &Options::default(), |_| true).unwrap();
     let model = psi(found.identified.continuous.as_ref().unwrap());
     let band = Band { omega_rad_s: vec![1.0], radius: vec![0.0], level: 0.95 };
     match bound(&model, &nominal(), &band, 2.5).unwrap_err() {
@@ -109,5 +109,5 @@ fn a_mode_beyond_the_line_is_named() {
 #[test]
 fn the_residuals_of_too_small_a_model_answer_to_the_input() {
     let (inputs, outputs) = recording(1);
-    assert!(full(&inputs, &outputs, &Options::default()).unwrap().identified.order >= 8);
+    assert!(full(&inputs, &outputs, &Options::default(), |_| true).unwrap().identified.order >= 8);
 }

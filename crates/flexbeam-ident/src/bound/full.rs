@@ -1,7 +1,7 @@
 //! The full model: the smallest that leaves nothing in the recording that the input explains.
 
 use flexbeam_lti::simulation::simulate;
-use flexbeam_lti::{Mat, Signals};
+use flexbeam_lti::{Mat, Signals, StateSpace};
 
 use crate::spectrum::{Measured, Segments, circular_quantile, h1};
 use crate::{Error, Identified, Options, Order, identify};
@@ -25,6 +25,9 @@ pub struct Full {
 /// The model of smallest order that the recording does not contradict. Where it contradicts all, the smallest that it does not
 /// contradict a hundred times more strongly than the best one: no larger order says significantly more.
 ///
+/// Among those that are all contradicted, only orders that are `alike` count, where there are any: a recording that rests on
+/// friction is explained better and better by slow poles that no beam has.
+///
 /// An estimate that is not the best possible leaves its own error in the residuals, and that error answers to the input: a
 /// contradiction may mean no more than that.
 ///
@@ -35,7 +38,12 @@ pub struct Full {
 /// Assumes: one input, and an open loop.
 /// Errors: those of [`identify`] when no order succeeds, and of [`h1`].
 /// Source: Ljung 1999, section 16.6 (residual tests); Bendat and Piersol 2010, section 9.2.
-pub fn full(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<Full, Error> {
+pub fn full(
+    inputs: &Signals,
+    outputs: &Signals,
+    options: &Options,
+    alike: impl Fn(&StateSpace) -> bool,
+) -> Result<Full, Error> {
     let mut tried: Vec<(f64, Full)> = Vec::new();
     let mut refused = None;
     for order in ORDERS {
@@ -46,6 +54,10 @@ pub fn full(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<Fu
                 refused.get_or_insert(why);
             }
         }
+    }
+    let is_alike = |found: &Full| found.identified.continuous.as_ref().is_ok_and(&alike);
+    if tried.iter().any(|(_, found)| is_alike(found)) {
+        tried.retain(|(_, found)| is_alike(found));
     }
     let best = tried.iter().map(|(chance, _)| *chance).fold(0.0, f64::max);
     let near = tried.into_iter().find(|(chance, _)| *chance >= CONTRADICTION * best);

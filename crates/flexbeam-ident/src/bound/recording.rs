@@ -2,7 +2,7 @@
 
 use flexbeam_lti::{Mat, Signals, StateSpace};
 
-use super::{Band, Bound, Full, Source, bound, full, line, replicates, unexplained};
+use super::{Band, Bound, Full, Source, bound, full, line, poles_beyond, replicates, unexplained};
 use crate::{Error, Options, Order, identify};
 
 /// What a bound is made for, and how.
@@ -43,7 +43,7 @@ pub struct FromRecording {
 ///
 /// Where the recording contradicts every order that was tried (friction, too many modes), what the best of them leaves, as
 /// measured on s = jw with 95 %, is added to the band. That it is no larger left of the axis is then an assumption that nothing
-/// tests.
+/// tests, and so is that a pole right of the line that only other orders have is an artefact.
 ///
 /// Shapes: one input; `rows` of the outputs add up to the output of the nominal plant, which is continuous.
 /// Assumes: open loop, all samples in steady order: the whole recording estimates.
@@ -65,7 +65,8 @@ pub fn from_recording(
         let setting = "the stability degree beta [1/s]";
         return Err(Error::Setting { setting, found: beta, needed: "a positive number" });
     }
-    let full = full(inputs, outputs, &settings.estimation)?;
+    let beyond = poles_beyond(nominal, beta).len();
+    let full = full(inputs, outputs, &settings.estimation, |model| poles_beyond(model, beta).len() == beyond)?;
     let continuous = full.identified.continuous.as_ref().map_err(|why| Error::Linear(why.clone()))?;
     let model = summed(continuous, rows)?;
     let order = Order::Fixed(full.identified.order);
