@@ -145,6 +145,7 @@ impl Design {
             num: self.uncertainty_num.clone(),
             den: self.uncertainty_den.clone(),
             beta: self.stability_degree,
+            origin: None,
         }
     }
 

@@ -71,7 +71,7 @@ pub use mat::{MatVariable, is_mat_name, mat_bytes, mat_name, mat_variables};
 pub use mat_document::{SCRIPT_HEAD, mat_of_controller, mat_of_model};
 pub use matrices::{Matrices, Rows, pairs};
 pub use misfit::Misfit;
-pub use model::{Axis, Identification, Model, Physical, Refinement, Uncertainty, Validation};
+pub use model::{Axis, BoundOrigin, Identification, Model, Physical, Refinement, Uncertainty, Validation};
 pub use note::Note;
 pub use project::{Project, ProjectLimits, ProjectReference, ProjectRun};
 pub use project_file::ProjectFile;

@@ -90,6 +90,26 @@ pub struct Uncertainty {
     pub den: Vec<f64>,
     /// Stability degree beta [1/s] at which the bound holds.
     pub beta: f64,
+    /// How it came from a recording, where it did.
+    pub origin: Option<BoundOrigin>,
+}
+
+/// What a bound from a recording is a bound of, and what it rests on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoundOrigin {
+    /// The output that it is for: `psi`.
+    pub output: String,
+    /// The plant that it lies around: `physical` or `continuous`, the model's tables.
+    pub nominal: String,
+    /// Probability with which the full model's band holds, if the beam is linear and of its order.
+    pub level: f64,
+    /// States of the full model.
+    pub full_order: usize,
+    /// Whether the recording contradicts the full model, so that what it leaves on s = jw was added.
+    pub contradicted: bool,
+    /// Re-estimates behind the band.
+    pub replicates: usize,
 }
 
 /// Fit on the part of the recording that was not used for estimation.

@@ -7,7 +7,7 @@ use crate::controller::Controller;
 use crate::excitation::Excitation;
 use crate::extended::Extended;
 use crate::matrices::Rows;
-use crate::model::{Physical, Refinement};
+use crate::model::{Physical, Refinement, Uncertainty};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -62,6 +62,8 @@ pub struct IdentifyResult {
     pub D: Rows,
     /// State at the first sample.
     pub initial_state: Vec<f64>,
+    /// The bound on what the nominal plant leaves out; null where it was not asked for.
+    pub uncertainty: Option<Uncertainty>,
     /// Time of the identification itself, reading and refinement apart [s].
     pub identify_s: f64,
     /// What `--refine` did; null without it.

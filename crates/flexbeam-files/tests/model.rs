@@ -177,7 +177,7 @@ fn full(entries: &[f64]) -> Model {
     let mut model = Model::new(&G, vec!["voltage_v".into()], vec!["psi, \"filtered\"".into()]);
     model.continuous = Some((&G).into());
     model.physical = Some(Physical { k1: *a, k1_std: Some(*b), k2: *c, c_std: None, ..Physical::default() });
-    model.uncertainty = Some(Uncertainty { num: vec![*a, *b], den: rest.to_vec(), beta: a.abs() });
+    model.uncertainty = Some(Uncertainty { num: vec![*a, *b], den: rest.to_vec(), beta: a.abs(), origin: None });
     let fit_percent = [(model.outputs[0].clone(), *d)].into();
     model.validation = Some(Validation { fit_percent, samples: Some(5000) });
     model.identification = Some(Identification {

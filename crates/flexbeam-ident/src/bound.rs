@@ -14,10 +14,12 @@
 
 mod band;
 mod full;
+mod recording;
 mod replicate;
 
 pub use band::{Band, line};
 pub use full::{Full, full, unexplained};
+pub use recording::{FromRecording, Settings, from_recording};
 pub use replicate::{Source, replicates};
 
 use flexbeam_lti::cover::{Uncovered, cover};

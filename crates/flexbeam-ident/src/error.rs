@@ -160,7 +160,7 @@ pub enum Error {
     },
     /// A pole that is not known well enough to say on which side of the line it lies.
     #[error(
-        "beta = {beta} is too near to the damping of a mode: in {beyond} of {replicates} recordings that might as well have been made, a pole changes sides of the line Re s = -beta; hint: a smaller beta, or a longer recording"
+        "beta = {beta} is too near to the damping of a mode: in {beyond} of {replicates} recordings that might as well have been made, a pole changes sides of the line Re s = -beta; hint: a smaller beta, a longer recording, or more voltage where there is friction"
     )]
     PoleUncertain {
         /// Stability degree [1/s].

@@ -122,7 +122,10 @@ pub struct Identify {
     /// Refine the model by the errors of the simulated output, or by those of a one-step prediction
     #[arg(long, value_enum, value_name = "ERRORS", num_args = 0..=1, require_equals = true, default_missing_value = "simulated")]
     pub refine: Option<Refinement>,
-    /// Draw singular values, measured and simulated outputs into this folder
+    /// beta [1/s]: bound what the nominal plant leaves out on s = jw - beta, for design --uncertainty model
+    #[arg(long)]
+    pub stability_degree: Option<f64>,
+    /// Draw singular values, measured and simulated outputs and frequency responses into this folder
     #[arg(long)]
     pub plots: Option<PathBuf>,
     /// The model file to write
@@ -196,7 +199,7 @@ pub struct Design {
     /// beta [1/s]: every closed-loop pole gets a real part below -beta
     #[arg(long)]
     pub stability_degree: f64,
-    /// Bound alpha(s) on the neglected dynamics: a number [rad/V], or `beam` to cover the distributed beam
+    /// Bound alpha(s) on the neglected dynamics: a number [rad/V], `model` for the model file's own, or `beam` to cover the distributed beam
     #[arg(long, conflicts_with_all = ["uncertainty_num", "uncertainty_den"])]
     pub uncertainty: Option<String>,
     /// Numerator of alpha(s) in the shifted plane, highest power first [rad/V]

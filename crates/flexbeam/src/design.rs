@@ -1,5 +1,7 @@
 //! `flexbeam design`: model to controller and certificate, or the reason why there is none.
 
+mod model_bound;
+
 use std::path::{Path, PathBuf};
 
 use flexbeam_design::{
@@ -25,7 +27,7 @@ pub fn run(arguments: &cli::Design) -> Result<(), Failure> {
     if arguments.uncertainty.as_deref() == Some("beam") {
         tell_apart(arguments, &model)?;
     }
-    let specification = match specification(arguments, &nominal) {
+    let specification = match specification(arguments, &model, &nominal) {
         Err(Failure::No(reason)) => return answer_no(arguments, None, reason),
         other => other?,
     };
@@ -53,7 +55,7 @@ pub(crate) fn designed(arguments: &cli::Design) -> Result<Controller, Failure> {
     expect_not_negative(arguments)?;
     let model = Model::read(&arguments.model)?;
     let nominal = nominal_plant(&model, &arguments.output_name, arguments.nominal)?;
-    solved(arguments, &nominal, &specification(arguments, &nominal)?)
+    solved(arguments, &nominal, &specification(arguments, &model, &nominal)?)
 }
 
 fn solved(arguments: &cli::Design, nominal: &StateSpace, specification: &Specification) -> Result<Controller, Failure> {
@@ -70,11 +72,11 @@ fn solved(arguments: &cli::Design, nominal: &StateSpace, specification: &Specifi
     Ok(file)
 }
 
-fn specification(arguments: &cli::Design, nominal: &StateSpace) -> Result<Specification, Failure> {
+fn specification(arguments: &cli::Design, model: &Model, nominal: &StateSpace) -> Result<Specification, Failure> {
     let low_pass = arguments.low_pass_hz.map_or(1.0, |cutoff_hz| low_pass(cutoff_hz, arguments.period));
     Ok(Specification {
         stability_degree: arguments.stability_degree,
-        uncertainty: alpha(arguments, nominal)?,
+        uncertainty: alpha(arguments, model, nominal)?,
         stiffness: stiffness(asked_stiffness(arguments)?, arguments.residual_voltage),
         reference: reference(arguments)?,
         period_s: arguments.period,
@@ -138,7 +140,7 @@ fn reference(arguments: &cli::Design) -> Result<Reference, Failure> {
 #[derive(Debug, thiserror::Error)]
 enum NoBound {
     #[error(
-        "found {0:?}, needed a positive number of rad/V or `beam`\nhint: --uncertainty beam covers the distributed beam"
+        "found {0:?}, needed a positive number of rad/V, `model` or `beam`\nhint: --uncertainty beam covers the distributed beam"
     )]
     Unreadable(String),
     #[error(
@@ -148,12 +150,13 @@ enum NoBound {
 }
 
 /// alpha(s): coefficients, a constant, or what covers the distributed beam.
-fn alpha(arguments: &cli::Design, nominal: &StateSpace) -> Result<Uncertainty, Failure> {
+fn alpha(arguments: &cli::Design, model: &Model, nominal: &StateSpace) -> Result<Uncertainty, Failure> {
     let tried = "read the uncertainty";
     match arguments.uncertainty.as_deref() {
         None if arguments.uncertainty_num.is_empty() => Err(Failure::while_trying(tried)(NoBound::Missing)),
         None => uncertainty(&arguments.uncertainty_num, &arguments.uncertainty_den),
         Some("beam") => beam_uncertainty(&beam_of_rig(arguments.rig.as_deref())?, nominal, arguments.stability_degree),
+        Some("model") => model_bound::of_model(arguments, model),
         Some(text) => match text.parse() {
             Ok(value) => Uncertainty::constant(value).map_err(Failure::while_trying(tried)),
             Err(_) => Err(Failure::while_trying(tried)(NoBound::Unreadable(text.into()))),

@@ -3,6 +3,8 @@
 //! Enters: a recording and settings. Leaves: a model file, figures, one answer. Deliberately absent: the identification
 //! itself, which `flexbeam-ident` owns.
 
+mod bode;
+mod bound;
 mod hinted;
 mod link;
 pub(crate) mod pictures;
@@ -15,7 +17,8 @@ use std::time::Instant;
 
 use flexbeam_files as files;
 use flexbeam_files::{
-    ColumnName, Document, Identification, IdentifyResult, Layout, Matrices, Model, Recording, Rows, json_text, pairs,
+    ColumnName, Document, Excitation, Identification, IdentifyResult, Layout, Matrices, Model, Recording, Rows,
+    json_text, pairs,
 };
 use flexbeam_ident::{Identified, Options, Order, identify};
 use flexbeam_lti::Signals;
@@ -34,6 +37,8 @@ pub(crate) struct Experiment {
     pub inputs: Signals,
     /// Outputs, SI units.
     pub outputs: Signals,
+    /// Samples of the excitation's period, where the recording says it.
+    pub period_samples: Option<usize>,
 }
 
 /// What was found, and how long it took.
@@ -46,6 +51,8 @@ pub(crate) struct Found {
     pub link: Option<Link>,
     /// Time of the identification itself [s].
     pub identify_s: f64,
+    /// Bound on what the model leaves out, where it was asked for.
+    pub uncertainty: Option<files::Uncertainty>,
 }
 
 /// `flexbeam identify`.
@@ -76,11 +83,15 @@ pub(crate) fn identified(arguments: &cli::Identify) -> Result<(Experiment, Found
     let experiment = Experiment::of(&recording, &arguments.inputs, &arguments.outputs)?;
     let options = options(arguments);
     sign.set_message("identifying");
-    let found = Found::of(&experiment, &options, arguments.refine, &sign)
+    let mut found = Found::of(&experiment, &options, arguments.refine, &sign)
         .map_err(Hinted)
         .map_err(Failure::while_trying(format!("identify {}", arguments.recording.display())))?;
     sign.finish_and_clear();
-    let model = found.model_file(&experiment, &options, &arguments.recording, &arguments.out)?;
+    let mut model = found.model_file(&experiment, &options, &arguments.recording, &arguments.out)?;
+    if let Some(beta) = arguments.stability_degree {
+        found.uncertainty = Some(bound::uncertainty(&model, &experiment, &options, beta)?);
+        model.uncertainty = found.uncertainty.clone();
+    }
     model.write(&arguments.out, replace)?;
     Ok((experiment, found))
 }
@@ -131,7 +142,12 @@ impl Experiment {
             period_s: all.period_s,
             data: all.data.rows(first, count).into_owned(),
         };
-        Ok(Experiment { inputs: rows(0, inputs.len()), outputs: rows(inputs.len(), outputs.len()) })
+        let excitation = Excitation::of_recording(&recording.source, &recording.sha256);
+        Ok(Experiment {
+            inputs: rows(0, inputs.len()),
+            outputs: rows(inputs.len(), outputs.len()),
+            period_samples: excitation.and_then(|excitation| excitation.period_samples),
+        })
     }
 }
 
@@ -161,7 +177,7 @@ impl Found {
             }
         };
         let link = Link::of(experiment, &identified, options);
-        Ok(Found { identified, refinement, link, identify_s })
+        Ok(Found { identified, refinement, link, identify_s, uncertainty: None })
     }
 
     /// What a person should know besides the figures: on standard error.
@@ -268,6 +284,7 @@ impl Found {
             C: Rows::from(&model.C),
             D: Rows::from(&model.D),
             initial_state: initial_state.as_slice().to_vec(),
+            uncertainty: self.uncertainty.clone(),
             identify_s: self.identify_s,
             refined: self.refinement.as_ref().map(|refinement| files::RefinedResult {
                 refinement: refinement.file(),

@@ -44,6 +44,15 @@ pub fn nominal_plant(model: &Model, output: &str, nominal: Nominal) -> Result<St
     }
 }
 
+/// Which description that is, by its name in the file.
+pub fn nominal_name(model: &Model, output: &str, nominal: Nominal) -> &'static str {
+    match (nominal, &model.physical) {
+        (Nominal::Auto, Some(_)) if output == "psi" => "physical",
+        (Nominal::Physical, _) => "physical",
+        _ => "continuous",
+    }
+}
+
 /// The four numbers as the rig's crate knows them.
 pub fn lumped(physical: &flexbeam_files::Physical) -> Lumped {
     Lumped { k1: physical.k1, k2: physical.k2, c: physical.c, b: physical.b }
@@ -73,7 +82,7 @@ fn from_matrices(model: &Model, output: &str) -> Result<StateSpace, Failure> {
 }
 
 /// The row of that name, with or without its unit; psi is the sum of theta and alpha where no output has its name.
-fn output_rows(model: &Model, output: &str) -> Result<Vec<usize>, Failure> {
+pub fn output_rows(model: &Model, output: &str) -> Result<Vec<usize>, Failure> {
     let row = |name: &str| {
         let with_unit = format!("{name}_rad");
         model.outputs.iter().position(|found| *found == name || *found == with_unit)

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use flexbeam_files::{Law, SimulateResult};
 use flexbeam_kernel as kernel;
+use flexbeam_lti::C64;
 use flexbeam_report::{Figure, Panel, Series};
 use flexbeam_rig::{ClosedLoopRecord, Link, RigParameters, SimulatedRig, StepMetrics, closed_loop};
 
@@ -130,4 +131,13 @@ impl Response {
 /// Radians to degrees, for the face.
 pub fn degrees(radians: &[f64]) -> Vec<f64> {
     radians.iter().map(|x| x.to_degrees()).collect()
+}
+
+/// Phase in degrees without jumps, starting between -180 and 180.
+pub fn unwrapped_deg(G: &[C64]) -> Vec<f64> {
+    let mut phases: Vec<f64> = G.iter().map(|g| g.arg().to_degrees()).collect();
+    for k in 1..phases.len() {
+        phases[k] -= 360.0 * ((phases[k] - phases[k - 1]) / 360.0).round();
+    }
+    phases
 }

@@ -229,7 +229,7 @@ fn plots_are_pictures() {
     let bench = Bench::new();
     bench.done("record --linear --duration 1 -o linear.csv");
     bench.done("identify linear.csv --order 4 --plots plots");
-    for name in ["singular_values", "outputs"] {
+    for name in ["singular_values", "outputs", "frequency_response"] {
         assert!(bench.read(&format!("plots/{name}.svg")).starts_with("<svg"));
         let png = std::fs::read(bench.path(&format!("plots/{name}.png"))).unwrap();
         assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
@@ -323,4 +323,72 @@ fn ctrl_c_ends_a_refinement_with_what_it_has() {
     assert!(number(&answer["refined"], "missed_after") <= number(&answer["refined"], "missed_before"));
     assert!(String::from_utf8_lossy(&output.stderr).contains("Ctrl-C"));
     assert_eq!(bench.json("show long.toml")["content"]["identification"]["refinement"]["reason"], "asked");
+}
+
+/// A rig with its modes and sensors, without friction; 250 Hz tells three modes and keeps this short.
+const SMOOTH: &str = "schema = \"flexbeam.rig/1\"\nperiod_s = 0.004\n[friction]\ncoulomb_nm = 0.0\n\
+                      [actuator]\ndead_zone_plus_v = 0.0\ndead_zone_minus_v = 0.0\n";
+
+/// From the recording alone to a certificate, and `verify` finds by the exact distributed beam that alpha(s) covers it.
+#[test]
+fn the_bound_of_a_recording_serves_the_design_and_covers_the_exact_beam() {
+    let bench = Bench::new();
+    bench.write("rig.toml", SMOOTH);
+    bench.done("record --rig rig.toml --rms 3 -o beam.csv");
+    let found = bench.json("identify beam.csv --order 4 --stability-degree 1.5 -o model.toml")["uncertainty"].clone();
+    assert_eq!((number(&found, "beta"), &found["origin"]["contradicted"]), (1.5, &Value::Bool(false)));
+    assert_eq!(number(&found["origin"], "full_order"), 8.0);
+    assert_eq!(bench.json("show model.toml")["content"]["uncertainty"], found);
+    let design = bench.json("design model.toml --stability-degree 1.5 --uncertainty model -o controller.toml");
+    assert_eq!(design["uncertainty"]["num"], found["num"]);
+    let verified = bench.json("verify controller.toml --runs 0");
+    let covered = number(&verified["distributed_beam"], "covered");
+    println!("largest |dG/alpha| of the exact beam {covered:.3}");
+    assert!((0.5..1.0).contains(&covered), "{covered}");
+
+    for (line, status, words) in [
+        ("design model.toml --stability-degree 1.4 --uncertainty model", 2, "made for beta = 1.5, needed 1.4"),
+        (
+            "design model.toml --stability-degree 1.5 --uncertainty model --nominal continuous",
+            2,
+            "is for psi of [physical], needed one for psi of [continuous]",
+        ),
+        ("identify beam.csv --stability-degree 2.6 -o no.toml", 1, "beta = 2.6 cannot hold"),
+        ("identify beam.csv --stability-degree 0 -o no.toml", 2, "beta [1/s] is 0, needed a positive number"),
+        ("identify beam.csv --outputs alpha_rad --stability-degree 1.5 -o no.toml", 2, "no output is named psi"),
+    ] {
+        let answer = bench.run(line);
+        assert_eq!(answer.status, status, "{line}: {}", answer.err);
+        assert!(answer.err.contains(words) && answer.err.contains("hint: "), "{line}: {}", answer.err);
+    }
+    bench.done("identify beam.csv --order 4 -o plain.toml");
+    let missing = bench.run("design plain.toml --stability-degree 1.5 --uncertainty model -o no.toml");
+    assert!(missing.status == 2 && missing.err.contains("no table [uncertainty]"), "{}", missing.err);
+    assert!(!bench.path("no.toml").exists());
+}
+
+/// With friction no linear model explains the recording: the answer says that it rests on an assumption.
+#[test]
+fn a_bound_through_friction_says_what_it_rests_on() {
+    let bench = Bench::new();
+    bench.done("record --duration 20 --period 0.004 -o rough.csv");
+    let answer = bench.run("identify rough.csv --block-rows 25 --stability-degree 1.5 --json -o rough.toml");
+    assert_eq!(answer.status, 0, "{}", answer.err);
+    let found: Value = serde_json::from_str(&answer.out).unwrap();
+    assert_eq!(found["uncertainty"]["origin"]["contradicted"], Value::Bool(true));
+    assert!(answer.err.contains("by assumption only"), "{}", answer.err);
+}
+
+/// The voltage repeats, so the figure has noise and distortion; a voltage that does not repeat has coherence.
+#[test]
+fn the_figure_of_a_periodic_recording_tells_noise_from_distortion() {
+    let bench = Bench::new();
+    bench.done("record --signal odd-multisine --periods 4 --duration 16 --period 0.004 --rms 3 -o periodic.csv");
+    bench.done("identify periodic.csv --block-rows 25 --order 8 --plots periodic");
+    let svg = bench.read("periodic/frequency_response.svg");
+    assert!(svg.contains("odd harmonics not sent") && svg.contains("noise of the mean") && !svg.contains("Coherence"));
+    bench.done("record --duration 4 --period 0.004 -o white.csv");
+    bench.done("identify white.csv --order 8 --plots white");
+    let svg = bench.read("white/frequency_response.svg");
+    assert!(svg.contains("coherence of alpha_rad") && svg.contains("95 % of the measurement"));
 }

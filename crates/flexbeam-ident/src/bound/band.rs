@@ -45,14 +45,14 @@ impl Band {
     /// estimate itself. Of R + 1 such numbers the truth's is one of the k largest with probability k/(R + 1): the radius is
     /// the k-th largest T_r times sigma, k = (1 - level)(R + 1) rounded down.
     ///
-    /// Shapes: continuous, one input and one output.
+    /// Shapes: continuous, one input and one output; nothing stands for an estimate that failed, which counts as the worst.
     /// Assumes: `omega_rad_s` dense enough for the resonances, as [`line`] makes it.
     /// Errors: [`Error::Setting`] for fewer than 1/(1 - level) - 1 re-estimates; [`Error::PoleUncertain`] where so many
     /// re-estimates have another number of poles right of the line that no radius holds.
     /// Source: Efron and Tibshirani 1993, section 12.5 (studentised); Vovk et al. 2005, section 2.2 (ranks).
     pub fn of_replicates(
         model: &StateSpace,
-        replicates: &[StateSpace],
+        replicates: &[Option<StateSpace>],
         omega_rad_s: Vec<f64>,
         beta: f64,
         level: f64,
@@ -64,10 +64,11 @@ impl Band {
         }
         let G = on_line(model, &omega_rad_s, beta);
         let beyond = poles_beyond(model, beta).len();
-        let (like, other): (Vec<_>, Vec<_>) =
-            replicates.iter().partition(|replicate| poles_beyond(replicate, beta).len() == beyond);
-        if other.len() >= rank {
-            return Err(Error::PoleUncertain { beta, beyond: other.len(), replicates: replicates.len() });
+        let like: Vec<&StateSpace> =
+            replicates.iter().flatten().filter(|again| poles_beyond(again, beta).len() == beyond).collect();
+        let other = replicates.len() - like.len();
+        if other >= rank {
+            return Err(Error::PoleUncertain { beta, beyond: other, replicates: replicates.len() });
         }
         let off: Vec<Vec<f64>> = like
             .iter()
@@ -84,7 +85,7 @@ impl Band {
         let mut largest: Vec<f64> = off.iter().map(over).collect();
         largest.sort_by(|a, b| b.total_cmp(a));
         // Those that changed sides stand above all others.
-        let factor = largest[rank - 1 - other.len()];
+        let factor = largest[rank - 1 - other];
         let radius = sigma.iter().map(|s| factor * s).collect();
         Ok(Band { omega_rad_s, radius, level })
     }
@@ -138,7 +139,7 @@ mod tests {
     #[test]
     fn of_nineteen_replicates_the_band_is_the_farthest() {
         let gains: Vec<f64> = (0..19).map(|k| 1.0 + 0.01 * f64::from((k * 7) % 19 - 9)).collect();
-        let replicates: Vec<StateSpace> = gains.iter().map(|g| lag(-5.0, *g)).collect();
+        let replicates: Vec<Option<StateSpace>> = gains.iter().map(|g| Some(lag(-5.0, *g))).collect();
         let band = Band::of_replicates(&lag(-5.0, 1.0), &replicates, vec![1.0, 10.0], 2.0, 0.95).unwrap();
         for (omega, radius) in band.omega_rad_s.iter().zip(&band.radius) {
             assert!((radius - 0.09 / omega.hypot(3.0)).abs() < 1e-12, "{omega} {radius}");
@@ -151,12 +152,14 @@ mod tests {
 
     #[test]
     fn replicates_that_change_sides_leave_no_band() {
-        let mut replicates: Vec<StateSpace> = (0..39).map(|k| lag(-5.0, 1.0 + 0.01 * f64::from(k))).collect();
-        replicates[3] = lag(-1.9, 1.0);
-        let of = |replicates: &[StateSpace]| Band::of_replicates(&lag(-5.0, 1.0), replicates, vec![1.0], 2.0, 0.95);
+        let mut replicates: Vec<Option<StateSpace>> =
+            (0..39).map(|k| Some(lag(-5.0, 1.0 + 0.01 * f64::from(k)))).collect();
+        replicates[3] = Some(lag(-1.9, 1.0));
+        let of =
+            |replicates: &[Option<StateSpace>]| Band::of_replicates(&lag(-5.0, 1.0), replicates, vec![1.0], 2.0, 0.95);
         // Of 39 the second largest counts: the one that changed sides is the largest, the farthest gain the next.
         assert!((of(&replicates).unwrap().radius[0] - 0.38 / 10f64.sqrt()).abs() < 1e-12);
-        replicates[4] = lag(-1.9, 1.0);
+        replicates[4] = None;
         assert_eq!(of(&replicates).unwrap_err(), Error::PoleUncertain { beta: 2.0, beyond: 2, replicates: 39 });
     }
 }

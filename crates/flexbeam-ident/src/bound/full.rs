@@ -1,7 +1,7 @@
 //! The full model: the smallest that leaves nothing in the recording that the input explains.
 
 use flexbeam_lti::simulation::simulate;
-use flexbeam_lti::{Mat, Signals};
+use flexbeam_lti::{Mat, Signals, StateSpace};
 
 use crate::spectrum::{Measured, Segments, circular_quantile, h1};
 use crate::{Error, Identified, Options, Order, identify};
@@ -22,8 +22,14 @@ pub struct Full {
     pub contradicted: bool,
 }
 
-/// The model of smallest order that the recording does not contradict; of those tried the one that leaves least, where it
-/// contradicts all.
+/// The model of smallest order that the recording does not contradict. Where it contradicts all, the smallest that it does not
+/// contradict a hundred times more strongly than the best one: no larger order says significantly more.
+///
+/// Among those that are all contradicted, only orders that are `alike` count, where there are any: a recording that rests on
+/// friction is explained better and better by slow poles that no beam has.
+///
+/// An estimate that is not the best possible leaves its own error in the residuals, and that error answers to the input: a
+/// contradiction may mean no more than that.
 ///
 /// The residuals y - y_model are tested against the input at every frequency and output: with K independent pieces and m inputs
 /// their multiple coherence exceeds g by chance with probability (1 - g)^(K - 1) for one input, and the smallest of all
@@ -32,35 +38,41 @@ pub struct Full {
 /// Assumes: one input, and an open loop.
 /// Errors: those of [`identify`] when no order succeeds, and of [`h1`].
 /// Source: Ljung 1999, section 16.6 (residual tests); Bendat and Piersol 2010, section 9.2.
-pub fn full(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<Full, Error> {
-    let mut best: Option<(f64, Full)> = None;
+pub fn full(
+    inputs: &Signals,
+    outputs: &Signals,
+    options: &Options,
+    alike: impl Fn(&StateSpace) -> bool,
+) -> Result<Full, Error> {
+    let mut tried: Vec<(f64, Full)> = Vec::new();
     let mut refused = None;
     for order in ORDERS {
-        let all = Options { order: Order::Fixed(order), estimate: 1.0, ..options.clone() };
-        let identified = match identify(inputs, outputs, &all) {
-            Ok(identified) if identified.continuous.is_ok() => identified,
-            Ok(Identified { continuous: Err(why), .. }) => {
-                refused.get_or_insert(Error::Linear(why));
-                continue;
-            }
+        match tried_order(order, inputs, outputs, options) {
+            Ok((chance, found)) if chance >= CONTRADICTION => return Ok(found),
+            Ok(found) => tried.push(found),
             Err(why) => {
                 refused.get_or_insert(why);
-                continue;
             }
-            Ok(_) => unreachable!("a continuous model is there or is not"),
-        };
-        let left = left(inputs, outputs, &identified)?;
-        let chance = chance(&left, inputs.samples());
-        let contradicted = chance < CONTRADICTION;
-        let found = Full { identified, left, contradicted };
-        if !contradicted {
-            return Ok(found);
-        }
-        if best.as_ref().is_none_or(|(most, _)| chance > *most) {
-            best = Some((chance, found));
         }
     }
-    best.map(|(_, found)| found).ok_or_else(|| refused.expect("an order was tried"))
+    let is_alike = |found: &Full| found.identified.continuous.as_ref().is_ok_and(&alike);
+    if tried.iter().any(|(_, found)| is_alike(found)) {
+        tried.retain(|(_, found)| is_alike(found));
+    }
+    let best = tried.iter().map(|(chance, _)| *chance).fold(0.0, f64::max);
+    let near = tried.into_iter().find(|(chance, _)| *chance >= CONTRADICTION * best);
+    near.map(|(_, found)| found).ok_or_else(|| refused.expect("an order was tried"))
+}
+
+fn tried_order(order: usize, inputs: &Signals, outputs: &Signals, options: &Options) -> Result<(f64, Full), Error> {
+    let all = Options { order: Order::Fixed(order), estimate: 1.0, ..options.clone() };
+    let identified = identify(inputs, outputs, &all)?;
+    if let Err(why) = &identified.continuous {
+        return Err(Error::Linear(why.clone()));
+    }
+    let left = left(inputs, outputs, &identified)?;
+    let chance = chance(&left, inputs.samples());
+    Ok((chance, Full { identified, left, contradicted: chance < CONTRADICTION }))
 }
 
 /// Response of the residuals to the inputs.

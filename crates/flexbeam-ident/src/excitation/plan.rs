@@ -29,8 +29,8 @@ pub enum Shape {
 pub struct Plan {
     /// Kind of voltage.
     pub shape: Shape,
-    /// Lowest and highest frequency [Hz]. Default: white noise takes all; the others one period's first harmonic to
-    /// [`Plan::BAND_END`] of the sampling frequency.
+    /// Lowest and highest frequency [Hz]; nothing: from one period's first harmonic to half the sampling frequency. A signal
+    /// that leaves a part of that out does not excite as many block rows of a subspace identification.
     pub band_hz: Option<[f64; 2]>,
     /// Root mean square [V].
     pub rms_v: f64,
@@ -77,9 +77,6 @@ impl Excitation {
 }
 
 impl Plan {
-    /// Beyond this part of the sampling frequency a hold passes little, and filters against aliases cut.
-    pub const BAND_END: f64 = 0.4;
-
     /// Makes the voltage.
     ///
     /// Returns: `periods` whole periods, as many samples as were asked for or fewer; a binary sequence, whose length is
@@ -123,7 +120,7 @@ impl Plan {
     /// Harmonics of a period of this many samples inside the band; never the mean.
     pub(super) fn harmonics(&self, samples: usize) -> std::ops::RangeInclusive<usize> {
         let spacing_hz = 1.0 / (samples as f64 * self.period_s);
-        let [low, high] = self.band_hz.unwrap_or([0.0, Plan::BAND_END / self.period_s]);
+        let [low, high] = self.band_hz.unwrap_or([0.0, 0.5 / self.period_s]);
         // A harmonic at the edge belongs to the band whatever its last bit says.
         let first = (low / spacing_hz * (1.0 - EDGE)).ceil().max(1.0) as usize;
         let last = (high / spacing_hz * (1.0 + EDGE)).floor() as usize;

@@ -27,7 +27,7 @@ pub struct Record {
     /// Voltage that excites the rig
     #[arg(long, value_enum, default_value_t = Waveform::White)]
     pub signal: Waveform,
-    /// Lowest and highest frequency of the voltage [Hz]; white noise takes all by default, the others go to 0.4 of the sampling frequency
+    /// Lowest and highest frequency of the voltage [Hz]; all up to half the sampling frequency by default
     #[arg(long, value_delimiter = ',', num_args = 1, value_name = "F1,F2")]
     pub band: Vec<f64>,
     /// Root mean square of the voltage [V]

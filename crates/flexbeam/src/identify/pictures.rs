@@ -7,7 +7,7 @@ use flexbeam_ident::{Identified, Options};
 use flexbeam_lti::{Mat, StateSpace};
 use flexbeam_report::{Colour, Figure, Marker, Panel, Scale, Series};
 
-use super::{Experiment, Found};
+use super::{Experiment, Found, Hinted, bode};
 use crate::Failure;
 use crate::output::{folder, write_figure};
 
@@ -23,8 +23,28 @@ pub(super) fn draw(path: &Path, experiment: &Experiment, found: &Found, options:
     let outputs = outputs(experiment, &found.identified, options)
         .map_err(Failure::while_trying(format!("draw the outputs into {}", path.display())))?;
     written.extend(write_figure(path, "outputs", &outputs)?);
+    written.extend(responses(path, experiment, found)?);
     eprintln!("{}: {}", path.display(), written.join(", "));
     Ok(())
+}
+
+/// A figure for each input; nothing, and the reason on standard error, where the recording is too short or does not excite.
+fn responses(path: &Path, experiment: &Experiment, found: &Found) -> Result<Vec<String>, Failure> {
+    let evidence = match bode::Evidence::of(experiment) {
+        Ok(evidence) => evidence,
+        Err(why) => {
+            eprintln!("no measured frequency response: {}", Hinted(why));
+            return Ok(Vec::new());
+        }
+    };
+    let mut written = Vec::new();
+    for (input, name) in experiment.inputs.names.iter().enumerate() {
+        let figure = bode::figure(experiment, found, &evidence, input)
+            .map_err(Failure::while_trying(format!("draw the responses into {}", path.display())))?;
+        let name = if input == 0 { "frequency_response".into() } else { format!("frequency_response_{name}") };
+        written.extend(write_figure(path, &name, &figure)?);
+    }
+    Ok(written)
 }
 
 /// On a logarithmic axis, with the chosen order between those kept and those left out.

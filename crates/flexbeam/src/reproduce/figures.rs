@@ -9,7 +9,7 @@ use super::{BETA, Findings};
 use crate::Failure;
 use crate::identify::pictures::singular_values;
 use crate::nominal::lumped_psi;
-use crate::response::{REST_S, degrees};
+use crate::response::{REST_S, degrees, unwrapped_deg};
 
 /// A figure with the name of its files.
 pub type Picture = (&'static str, Figure);
@@ -79,7 +79,7 @@ fn bode(findings: &Findings) -> Result<Figure, Failure> {
     let mut add = |name: &str, G: &[C64], style: fn(Series) -> Series| {
         let db: Vec<f64> = G.iter().map(|g| 20.0 * g.norm().log10()).collect();
         magnitude = magnitude.clone().with(style(Series::line(name, &omega, &db)));
-        phase = phase.clone().with(style(Series::line(name, &omega, &unwrapped(G))));
+        phase = phase.clone().with(style(Series::line(name, &omega, &unwrapped_deg(G))));
     };
     add("distributed beam", &beam, |s| s.width(1.2));
     if let Some(G) = &findings.plant.modes_identified {
@@ -98,15 +98,6 @@ fn bode(findings: &Findings) -> Result<Figure, Failure> {
         .size(800.0, 640.0)
         .panel(magnitude)
         .panel(phase))
-}
-
-/// Phase in degrees without jumps, starting between -180 and 180.
-fn unwrapped(G: &[C64]) -> Vec<f64> {
-    let mut phases: Vec<f64> = G.iter().map(|g| g.arg().to_degrees()).collect();
-    for k in 1..phases.len() {
-        phases[k] -= 360.0 * ((phases[k] - phases[k - 1]) / 360.0).round();
-    }
-    phases
 }
 
 fn uncertainty(findings: &Findings) -> Figure {
