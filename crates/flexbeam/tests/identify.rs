@@ -291,11 +291,13 @@ fn a_refined_model_is_nearer_to_its_recording() {
 #[test]
 fn ctrl_c_ends_a_refinement_with_what_it_has() {
     let bench = Bench::new();
-    bench.done("record --duration 300 --period 0.001 -o long.csv");
+    bench.done("record --duration 60 --period 0.001 -o long.csv");
     let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_flexbeam"));
-    program.args("identify long.csv --order 12 --estimate 1 --refine --json -o long.toml".split(' '));
+    program
+        .args("identify long.csv --outputs alpha_rad --order 12 --estimate 1 --refine --json -o long.toml".split(' '));
     let pipe = std::process::Stdio::piped;
-    let child = program.current_dir(bench.path("")).stdout(pipe()).stderr(pipe()).spawn().expect("the program starts");
+    let mut child =
+        program.current_dir(bench.path("")).stdout(pipe()).stderr(pipe()).spawn().expect("the program starts");
     // The handler is there once the kernel says so: bit 1 of the signals that the process catches.
     let status = format!("/proc/{}/status", child.id());
     let catches = || {
@@ -308,7 +310,8 @@ fn ctrl_c_ends_a_refinement_with_what_it_has() {
     };
     let start = std::time::Instant::now();
     while !catches() {
-        assert!(start.elapsed().as_secs() < 120, "the refinement never began");
+        assert!(start.elapsed().as_secs() < 60, "the refinement never began");
+        assert!(child.try_wait().expect("its state").is_none(), "it ended before it refined");
         std::thread::sleep(std::time::Duration::from_millis(2));
     }
     std::thread::sleep(std::time::Duration::from_millis(200));
