@@ -118,7 +118,10 @@ fn from_the_deflection_alone_the_order_is_three() {
     bench.done("record --linear -o linear.csv");
     let answer = bench.json("identify linear.csv --outputs alpha_rad -o model.toml");
     assert_eq!(number(&answer, "order"), 3.0);
-    assert!(answer["physical"].is_null());
+    for (key, needed) in [("k1", K1), ("k2", K2), ("c", C), ("b", B)] {
+        let found = number(&answer["physical"], key);
+        assert!((found / needed - 1.0).abs() <= 1e-9, "{key}: {found} for {needed}");
+    }
     for [re, im] in pairs(&answer, "continuous_poles") {
         let square = [re * re - im * im, 2.0 * re * im];
         let cube = [square[0] * re - square[1] * im, square[0] * im + square[1] * re];
