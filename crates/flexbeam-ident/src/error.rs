@@ -130,6 +130,25 @@ pub enum Error {
         /// Last relative step.
         step: f64,
     },
+    /// The deflection's response has one number fewer than there are unknowns.
+    #[error(
+        "the deflection alone does not tell the beam's damping from the hub's; needed theta or psi among the outputs"
+    )]
+    BeamDampingUnseen,
+    /// Parameters that settled where no link can be.
+    #[error(
+        "the physical parameters came out as k1 = {k1:.4}, k2 = {k2:.4}, c = {c:.4}, b = {b:.4}; a link has 0 < k1 < k2, c > 0 and b > 0"
+    )]
+    NoLink {
+        /// K_stiff/J_base [1/s^2].
+        k1: f64,
+        /// K_stiff (1/J_link + 1/J_base) [1/s^2].
+        k2: f64,
+        /// Damping of the hub [1/s].
+        c: f64,
+        /// Acceleration per volt [rad/s^2/V].
+        b: f64,
+    },
     /// The hub never moved in one direction of a breakaway test.
     #[error("the hub never moved {direction}: the ramp reached {reached_v} V; hint: a larger ramp, or a free hub")]
     NeverMoved {

@@ -3,8 +3,8 @@
 //! Enters: a continuous model with theta and alpha among its outputs. Leaves: the same model in (18)'s pattern.
 //! Deliberately absent: stiffness and inertias, which need the motor's constants and belong to the rig.
 
-use flexbeam_lti::{Mat, StateSpace, Time, Vector};
-use flexbeam_rig::Lumped;
+use flexbeam_lti::{C64, Mat, StateSpace, Time, Vector};
+use flexbeam_rig::{Lumped, Output};
 
 use crate::Error;
 use crate::singular::left_singular;
@@ -50,6 +50,40 @@ pub fn physical_form(model: &StateSpace, theta: usize, alpha: usize) -> Result<P
     let parameters = Lumped { k1: A[(2, 1)], k2: -A[(3, 1)], c: -A[(2, 2)], b: B[2] };
     let model = StateSpace::new(A, B, Mat::identity(2, 4), D, Time::Continuous)?;
     Ok(PhysicalForm { model, parameters })
+}
+
+/// k1, k2, c, b from the poles of a model and the size of its response: a start for a fit, where [`physical_form`] needs both theta
+/// and alpha.
+///
+/// Delta = s^3 + c s^2 + k2 s + c (k2 - k1) has the poles without the integrator; b scales the response at the poles' distances.
+/// Shapes: `model` continuous, one input, outputs made of `outputs` in order; 4 states where one of them sees theta, 3 otherwise.
+/// Assumes: the pole nearest zero is the integrator's.
+/// Errors: [`Error::NotTheFlexibleLink`], [`Error::Linear`] for a sampled model.
+pub fn lumped_from_poles(model: &StateSpace, outputs: &[Output]) -> Result<Lumped, Error> {
+    let unit = Lumped { b: 1.0, ..Lumped::PAPER }.state_space(outputs)?;
+    let integrates = unit.C.column(0).amax() > 0.0;
+    let (n, m, l) = (model.order(), model.inputs(), model.outputs());
+    if m != 1 || l != outputs.len() || n != 3 + usize::from(integrates) {
+        return Err(Error::NotTheFlexibleLink { inputs: m, outputs: l, order: n });
+    }
+    if model.time != Time::Continuous {
+        let what = "physical parameters";
+        return Err(flexbeam_lti::Error::WrongTime { what, found: model.time, needed: "continuous time" }.into());
+    }
+    let mut poles = model.poles();
+    poles.sort_by(|p, q| q.norm().total_cmp(&p.norm()));
+    let [p, q, r] = [poles[0], poles[1], poles[2]];
+    let (c, k2, last) = (-(p + q + r).re, (p * q + q * r + r * p).re, -(p * q * r).re);
+    let shape = Lumped { k1: k2 - last / c, k2, c, b: 1.0 };
+    let unit = shape.state_space(outputs)?;
+    let (mut products, mut squares) = (0.0, 0.0);
+    for omega in [p, q, r].map(|pole| C64::new(0.0, pole.norm())) {
+        for (found, unit) in model.at(omega).iter().zip(unit.at(omega).iter()) {
+            products += (unit.conj() * found).re / unit.norm_sqr();
+            squares += 1.0;
+        }
+    }
+    Ok(Lumped { b: products / squares, ..shape })
 }
 
 /// X with X T = M, T square.

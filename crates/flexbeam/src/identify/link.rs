@@ -2,82 +2,116 @@
 
 use flexbeam_files as files;
 use flexbeam_files::ColumnName;
-use flexbeam_ident::physical::physical_form;
-use flexbeam_ident::structured::{LinkFit, structured_fit};
+use flexbeam_ident::physical::{lumped_from_poles, physical_form};
+use flexbeam_ident::structured::{BeamDamping, LinkFit, Measured, structured_fit};
 use flexbeam_ident::{Error, Identified, Options, Order, identify};
-use flexbeam_lti::{Mat, StateSpace};
+use flexbeam_lti::{Mat, Signals, StateSpace};
+use flexbeam_rig::{Lumped, Output};
 
 use super::Experiment;
 
-/// States of the lumped link.
-const ORDER: usize = 4;
-
-/// What was found of a flexible link with theta and alpha measured.
+/// What was found of a flexible link.
 pub(crate) struct Link {
-    /// The continuous model in the coordinates [theta alpha theta' alpha'], with nothing else among its outputs; nothing
-    /// where the model is of another order.
+    /// The continuous model in the coordinates [theta alpha theta' alpha'], with nothing else among its outputs; nothing where theta
+    /// or alpha was not measured, or the model is of another order.
     pub model: Option<StateSpace>,
     /// k1, k2, c and b by structured least squares on the estimating samples.
     pub fit: Result<LinkFit, Error>,
 }
 
+/// Outputs that are made of theta and alpha, by their places.
+struct Shown(Vec<(usize, Output)>);
+
 impl Link {
-    /// Nothing where the recording is no flexible link's: one input, theta and alpha in rad.
+    /// Nothing where the recording is no flexible link's: one input, and theta, alpha or psi in rad.
     ///
-    /// The structured fit starts from a model of order 4, which is identified besides when the model has another order.
+    /// The structured fit starts from a model of the link's order, which is identified besides when the model has another one.
     pub fn of(experiment: &Experiment, identified: &Identified, options: &Options) -> Option<Link> {
-        let theta = position(experiment, "theta")?;
-        let alpha = position(experiment, "alpha")?;
-        if experiment.inputs.channels() != 1 {
+        let shown = Shown::of(experiment);
+        if experiment.inputs.channels() != 1 || shown.0.is_empty() {
             return None;
         }
-        let of_order_4 = |model: &Identified| {
-            let continuous = model.continuous.as_ref().map_err(|why| Error::Linear(why.clone()))?;
-            physical_form(continuous, theta, alpha)
+        let alone = shown.0.len() == experiment.outputs.channels();
+        let besides = if alone && identified.order == shown.order() {
+            Ok(identified.clone())
+        } else {
+            let order = Order::Fixed(shown.order());
+            identify(&experiment.inputs, &shown.outputs(experiment), &Options { order, ..options.clone() })
         };
-        if identified.order != ORDER {
-            let options = Options { order: Order::Fixed(ORDER), ..options.clone() };
-            let besides = identify(&experiment.inputs, &experiment.outputs, &options);
-            let start = besides.and_then(|model| of_order_4(&model));
-            let fit = start.and_then(|start| fit(experiment, identified, theta, alpha, start.parameters));
-            return Some(Link { model: None, fit });
-        }
-        let form = match of_order_4(identified) {
-            Ok(form) => form,
-            Err(why) => return Some(Link { model: None, fit: Err(why) }),
+        let start = besides.and_then(|besides| shown.start(&besides));
+        let model = match (&start, shown.both()) {
+            (Ok((_, Some(form))), Some((theta, alpha))) if alone && identified.order == shown.order() => {
+                Some(in_order(form.clone(), theta, alpha))
+            }
+            _ => None,
         };
-        let fit = fit(experiment, identified, theta, alpha, form.parameters);
-        let only = experiment.outputs.channels() == 2;
-        Some(Link { model: only.then(|| in_order(form.model, theta, alpha)), fit })
+        let fit = start.and_then(|(start, _)| shown.fit(experiment, identified, start));
+        Some(Link { model, fit })
     }
 }
 
-/// The structured least squares on the samples that estimated the model, without the means where they were removed.
-fn fit(
-    experiment: &Experiment,
-    identified: &Identified,
-    theta: usize,
-    alpha: usize,
-    start: flexbeam_rig::Lumped,
-) -> Result<LinkFit, Error> {
-    let estimating = |data: &Mat, row: usize, mean: f64| -> Vec<f64> {
-        data.row(row).iter().take(identified.estimation_samples).map(|x| x - mean).collect()
-    };
-    structured_fit(
-        &estimating(&experiment.inputs.data, 0, identified.input_means[0]),
-        &estimating(&experiment.outputs.data, theta, identified.output_means[theta]),
-        &estimating(&experiment.outputs.data, alpha, identified.output_means[alpha]),
-        experiment.inputs.period_s,
-        start,
-    )
-}
+impl Shown {
+    fn of(experiment: &Experiment) -> Shown {
+        let known = [("theta", Output::Theta), ("alpha", Output::Alpha), ("psi", Output::Psi)];
+        let output = |name: &String| {
+            let column = ColumnName::of(name);
+            known
+                .iter()
+                .find(|(quantity, _)| column.quantity == *quantity && column.unit == "rad")
+                .map(|(_, shown)| *shown)
+        };
+        let names = experiment.outputs.names.iter().enumerate();
+        Shown(names.filter_map(|(k, name)| Some((k, output(name)?))).collect())
+    }
 
-/// Output of that quantity in rad.
-fn position(experiment: &Experiment, quantity: &str) -> Option<usize> {
-    experiment.outputs.names.iter().position(|name| {
-        let column = ColumnName::of(name);
-        column.quantity == quantity && column.unit == "rad"
-    })
+    /// The deflection does not see the integrator.
+    fn order(&self) -> usize {
+        if self.0.iter().all(|(_, output)| *output == Output::Alpha) { 3 } else { 4 }
+    }
+
+    /// Places of theta and alpha among what is shown.
+    fn both(&self) -> Option<(usize, usize)> {
+        let place = |wanted: Output| self.0.iter().position(|(_, output)| *output == wanted);
+        Some((place(Output::Theta)?, place(Output::Alpha)?))
+    }
+
+    fn outputs(&self, experiment: &Experiment) -> Signals {
+        let Signals { names, units, period_s, data } = &experiment.outputs;
+        let places: Vec<usize> = self.0.iter().map(|(k, _)| *k).collect();
+        let of = |texts: &[String]| places.iter().map(|&k| texts[k].clone()).collect();
+        Signals { names: of(names), units: of(units), period_s: *period_s, data: data.select_rows(&places) }
+    }
+
+    /// First values of the parameters, and the physical form where theta and alpha are both there.
+    fn start(&self, identified: &Identified) -> Result<(Lumped, Option<StateSpace>), Error> {
+        let continuous = identified.continuous.as_ref().map_err(|why| Error::Linear(why.clone()))?;
+        match self.both() {
+            Some((theta, alpha)) => {
+                let form = physical_form(continuous, theta, alpha)?;
+                Ok((form.parameters, (self.0.len() == 2).then_some(form.model)))
+            }
+            None => {
+                let outputs: Vec<Output> = self.0.iter().map(|(_, output)| *output).collect();
+                Ok((lumped_from_poles(continuous, &outputs)?, None))
+            }
+        }
+    }
+
+    /// The structured least squares on the samples that estimated the model, without the means where they were removed.
+    fn fit(&self, experiment: &Experiment, identified: &Identified, start: Lumped) -> Result<LinkFit, Error> {
+        let estimating = |data: &Mat, row: usize, mean: f64| -> Vec<f64> {
+            data.row(row).iter().take(identified.estimation_samples).map(|x| x - mean).collect()
+        };
+        let voltage_v = estimating(&experiment.inputs.data, 0, identified.input_means[0]);
+        let rows = self
+            .0
+            .iter()
+            .map(|&(k, output)| (output, estimating(&experiment.outputs.data, k, identified.output_means[k])));
+        let rows: Vec<(Output, Vec<f64>)> = rows.collect();
+        let measured: Vec<Measured> =
+            rows.iter().map(|(output, samples)| Measured { output: *output, samples }).collect();
+        structured_fit(&voltage_v, &measured, experiment.inputs.period_s, start, BeamDamping::None)
+    }
 }
 
 /// The form's outputs, theta before alpha, in the recording's order.

@@ -8,10 +8,10 @@ use flexbeam_files::{
 };
 use flexbeam_ident::excitation::white_gaussian;
 use flexbeam_ident::physical::physical_form;
-use flexbeam_ident::structured::{LinkFit, structured_fit};
+use flexbeam_ident::structured::{BeamDamping, LinkFit, Measured, structured_fit};
 use flexbeam_ident::{Identified, Options, Order, identify as subspace};
 use flexbeam_lti::{Signals, StateSpace};
-use flexbeam_rig::{Lumped, RigParameters};
+use flexbeam_rig::{Lumped, Output, RigParameters};
 
 use crate::Failure;
 use crate::output::provenance;
@@ -108,7 +108,10 @@ fn unstructured(found: &Identified) -> Result<Lumped, Failure> {
 
 fn structured(signals: &Signals, start: Lumped) -> Result<LinkFit, Failure> {
     let row = |k: usize| signals.data.row(k).iter().copied().collect::<Vec<f64>>();
-    structured_fit(&row(0), &row(1), &row(2), signals.period_s, start)
+    let (theta, alpha) = (row(1), row(2));
+    let measured = [(Output::Theta, &theta), (Output::Alpha, &alpha)];
+    let measured = measured.map(|(output, samples)| Measured { output, samples });
+    structured_fit(&row(0), &measured, signals.period_s, start, BeamDamping::None)
         .map_err(Failure::while_trying("fit the physical parameters"))
 }
 
