@@ -100,7 +100,7 @@ fn under_fmpy(bench: &Bench, words: &[&str], expected: &str) {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/python/run_rig_fmu.py");
     let mut run = Command::new(python);
     // FMPy's own CMake file asks for a C++ compiler, too; gcc's needs a package more.
-    run.arg(script).args(words).current_dir(bench.path("")).env("CXX", "clang++");
+    run.args(["-B", script]).args(words).current_dir(bench.path("")).env("CXX", "clang++");
     let output = run.output().expect("Python starts");
     let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success() && said.trim_end().ends_with(expected), "{words:?}: {said}");
