@@ -2,16 +2,19 @@
 
 run_rig_fmu.py unit.fmu periods PERIOD_S NAME=VALUE ..
     periods: rows of doubles, for each instant the outputs there and then the voltage that is held from there on
+    With --build: of a unit without a binary, whose sources FMPy compiles
 run_rig_fmu.py unit.fmu response.csv PERIOD_S --loop controller.fmu NAME=VALUE ..
     response.csv: of `flexbeam simulate`; both units step side by side, each taking what the other answered at the step before
 """
 
 import csv
+import os
 import shutil
 import struct
 import sys
 
 from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.build import build_platform_binary
 from fmpy.validation import validate_fmu
 
 from fmu_instance import Instance, refused
@@ -27,6 +30,9 @@ outputs = [references[name] for name in OUTPUTS]
 voltage, contact = references["voltage_v"], references["contact"]
 assert (problems := validate_fmu(unit)) == [], problems
 folder = extract(unit)
+if "--build" in sys.argv:
+    assert not os.path.exists(os.path.join(folder, "binaries"))
+    build_platform_binary(folder, generator="Unix Makefiles")
 
 
 def numbered(text):
