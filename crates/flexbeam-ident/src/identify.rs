@@ -1,13 +1,15 @@
 //! Subspace identification from end to end: recording in, model out.
 
-use flexbeam_lti::{Signals, StateSpace, Time, Vector, sampling};
+use flexbeam_lti::{Signals, StateSpace, Vector, sampling};
 
+use crate::candidate::{Candidate, Chosen};
 use crate::estimation::{Estimate, Estimation};
-use crate::hankel::factor::samples_needed;
+use crate::hankel::factor::Factor;
+use crate::innovations::innovations;
+use crate::prepared::Prepared;
 use crate::projection::directions;
-use crate::scaling::Scaling;
 use crate::validate::validate;
-use crate::{Error, candidate, subspace};
+use crate::{Delay, Doubt, Error, Innovations, candidate, doubts, subspace};
 
 /// Weights of equation (14).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,6 +108,8 @@ pub struct Options {
     pub feedthrough: Feedthrough,
     /// Default [`Poles::Free`].
     pub poles: Poles,
+    /// Whole samples that an input takes before anything answers; the model carries them as states with poles at 0. Default none.
+    pub delay: Delay,
 }
 
 impl Default for Options {
@@ -121,6 +125,7 @@ impl Default for Options {
             integrators: 0,
             feedthrough: Feedthrough::Free,
             poles: Poles::Free,
+            delay: Delay::Samples(0),
         }
     }
 }
@@ -142,6 +147,12 @@ pub struct Identified {
     pub block_rows: usize,
     /// The method whose weights were taken: never [`Method::Auto`].
     pub method: Method,
+    /// Delay of each input [samples].
+    pub input_delay: Vec<usize>,
+    /// Gain and covariance of the innovations form; None where rounding alone is left, as without noise.
+    pub innovations: Option<Innovations>,
+    /// What makes the recording doubtful.
+    pub doubts: Vec<Doubt>,
     /// Samples that estimated; the others validated.
     pub estimation_samples: usize,
     /// Fit of each output on the validating samples; None when there are none.
@@ -163,155 +174,64 @@ pub struct Identified {
 /// operations a sample. Without noise, poles to about 1e-13.
 /// Source: the paper, (7)-(17); DESIGN section 5 says where the default differs.
 pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<Identified, Error> {
-    check(inputs, outputs, options)?;
-    let (m, l, i) = (inputs.channels(), outputs.channels(), options.block_rows);
-    let (U, Y) = (inputs.data.transpose(), outputs.data.transpose());
-    let s = estimation_samples(U.nrows(), options)?;
-    expect_samples("estimation", s, samples_needed(i, m, l), i)?;
-    let input_scaling = Scaling::of(&U.rows(0, s).into_owned(), options.remove_mean && options.integrators == 0);
-    let mut output_scaling = Scaling::of(&Y.rows(0, s).into_owned(), options.remove_mean);
-    let (U, mut Y) = (input_scaling.apply(&U), output_scaling.apply(&Y));
-    let time = Time::Sampled { period_s: inputs.period_s };
-    let samples = Estimation::new(U.rows(0, s).into_owned(), Y.rows(0, s).into_owned(), time, options);
-
-    let (chosen, estimate) = estimated(&samples, options)?; // (8)-(17)
-    output_scaling.shift(&estimate.offset);
-    Y.column_iter_mut().zip(&estimate.offset).for_each(|(mut y, d)| y.add_scalar_mut(-d));
-    let fits = |first: usize, count: usize| -> Result<Vec<f64>, Error> {
-        let (U, Y) = (U.rows(first, count).transpose(), Y.rows(first, count).transpose());
-        Ok(validate(&estimate.model, &U, &Y)?.fit_percent)
-    };
-    let estimation_fit_percent = fits(0, s)?;
-    let fit_percent = if s < U.nrows() { Some(fits(s, U.nrows() - s)?) } else { None };
-    let model = unscaled(&estimate.model, &input_scaling, &output_scaling)?;
+    let prepared = Prepared::new(inputs, outputs, options)?;
+    let samples = &prepared.estimating;
+    let (Chosen { candidate, factor }, estimate) = estimated(samples, options)?; // (8)-(17)
+    let (innovations, in_loop) = unexplained(samples, factor, &estimate.model)?;
+    let (estimation_fit_percent, fit_percent) = prepared.fits(&estimate)?;
+    let model = prepared.restored(&estimate.model)?;
     Ok(Identified {
         continuous: sampling::inverse_zoh(&model),
         order: model.order(),
+        initial_state: prepared.first_state(&model, &estimate)?,
         model,
-        initial_state: estimate.initial_state,
-        singular_values: chosen.singular_values,
-        block_rows: chosen.block_rows,
-        method: chosen.method,
-        estimation_samples: s,
+        singular_values: candidate.singular_values,
+        block_rows: candidate.block_rows,
+        method: candidate.method,
+        innovations: innovations.map(|found| prepared.restored_innovations(found)),
+        doubts: doubts::of_channels(inputs, outputs).into_iter().chain(in_loop).collect(),
+        estimation_samples: prepared.estimation_samples,
         fit_percent,
         estimation_fit_percent,
-        input_means: input_scaling.mean,
-        output_means: output_scaling.mean,
+        output_means: prepared.offsets(&estimate),
+        input_means: prepared.input_means(),
+        input_delay: prepared.delays,
     })
 }
 
-fn estimated(samples: &Estimation, options: &Options) -> Result<(candidate::Candidate, Estimate), Error> {
+fn estimated(samples: &Estimation, options: &Options) -> Result<(Chosen, Estimate), Error> {
     if options.method == Method::Paper {
         return printed(samples, options);
     }
     let chosen = candidate::best(samples, options)?;
-    let estimate = samples.completed(chosen.A.clone(), chosen.C.clone())?;
+    let estimate = samples.completed(chosen.candidate.A.clone(), chosen.candidate.C.clone())?;
     Ok((chosen, estimate))
 }
 
 /// Equations (13)-(17) as the paper prints them.
-fn printed(samples: &Estimation, options: &Options) -> Result<(candidate::Candidate, Estimate), Error> {
+fn printed(samples: &Estimation, options: &Options) -> Result<(Chosen, Estimate), Error> {
     let factor = samples.factor(options.block_rows)?; // (8), (9)
     let (found, moesp) = (directions(&factor, Weighting::N4sid), directions(&factor, Weighting::Moesp)); // (13), (14)
     let n = candidate::chosen_order(&factor, &found, &moesp, 0, options)?;
     let [A, B, C, D] = subspace::state_sequences(&factor, &subspace::gamma(&found, n)).ok_or(Error::NoState)?; // (15)-(17)
     let model = StateSpace::new(A.clone(), B, C.clone(), D, samples.time)?;
     let initial_state = validate(&model, &samples.U.transpose(), &samples.Y.transpose())?.initial_state;
-    let chosen = candidate::Candidate {
-        method: Method::Paper,
-        block_rows: factor.i,
-        singular_values: found.singular_values,
-        A,
-        C,
+    let candidate =
+        Candidate { method: Method::Paper, block_rows: factor.i, singular_values: found.singular_values, A, C };
+    let offset = Vector::zeros(factor.l);
+    Ok((Chosen { candidate, factor }, Estimate { model, initial_state, offset }))
+}
+
+/// Innovations, and whether there is feedback, both from the factor of the inputs as they are.
+fn unexplained(
+    samples: &Estimation,
+    factor: Factor,
+    model: &StateSpace,
+) -> Result<(Option<Innovations>, Option<Doubt>), Error> {
+    let factor = match samples.integrators {
+        0 => factor,
+        _ => Factor::new(&samples.U, &samples.Y, factor.i, true)?,
     };
-    Ok((chosen, Estimate { model, initial_state, offset: Vector::zeros(factor.l) }))
-}
-
-/// The model between the channels as recorded: B / u, y C, y D / u with the channels' scales.
-fn unscaled(model: &StateSpace, inputs: &Scaling, outputs: &Scaling) -> Result<StateSpace, Error> {
-    let StateSpace { A, mut B, mut C, mut D, time } = model.clone();
-    for (c, u) in inputs.scale.iter().enumerate() {
-        B.column_mut(c).unscale_mut(*u);
-        D.column_mut(c).unscale_mut(*u);
-    }
-    for (p, y) in outputs.scale.iter().enumerate() {
-        C.row_mut(p).scale_mut(*y);
-        D.row_mut(p).scale_mut(*y);
-    }
-    Ok(StateSpace::new(A, B, C, D, time)?)
-}
-
-fn check(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<(), Error> {
-    let setting = |setting, found, needed| Err(Error::Setting { setting, found, needed });
-    if inputs.channels() == 0 || outputs.channels() == 0 {
-        return Err(Error::NoChannel { inputs: inputs.channels(), outputs: outputs.channels() });
-    }
-    if inputs.samples() != outputs.samples() {
-        return Err(Error::Length { inputs: inputs.samples(), outputs: outputs.samples() });
-    }
-    let (input_s, output_s) = (inputs.period_s, outputs.period_s);
-    let axes = [input_s, output_s].map(|period_s| Time::Sampled { period_s });
-    if axes[0].common(axes[1]).is_err() {
-        return Err(Error::Period { input_s, output_s });
-    }
-    expect_finite(inputs)?;
-    expect_finite(outputs)?;
-    if let Some(few) = [options.block_rows].iter().chain(&options.more_block_rows).find(|&&i| i < 2) {
-        return setting("block_rows", *few as f64, "at least 2");
-    }
-    expect_structure(inputs.channels(), outputs.channels(), options)?;
-    if !(options.estimate > 0.0 && options.estimate <= 1.0) {
-        return setting("estimate", options.estimate, "more than 0 and at most 1");
-    }
-    Ok(())
-}
-
-/// Errors: an order without a state beside the integrators, more integrators than channels, structure that (13)-(17) do not know.
-fn expect_structure(m: usize, l: usize, options: &Options) -> Result<(), Error> {
-    let setting = |setting, found: usize, needed| Err(Error::Setting { setting, found: found as f64, needed });
-    match options.order {
-        Order::Fixed(0) => return setting("order", 0, "at least 1"),
-        Order::Fixed(n) if n <= options.integrators => {
-            return setting("order", n, "more than the known integrators");
-        }
-        _ => {}
-    }
-    if options.integrators > m.min(l) {
-        return setting("integrators", options.integrators, "at most as many as inputs and as outputs");
-    }
-    let known = [
-        (options.integrators > 0, "integrators"),
-        (options.feedthrough == Feedthrough::Zero, "no feedthrough"),
-        (options.poles == Poles::Stable, "stable poles"),
-        (!options.more_block_rows.is_empty(), "several block rows"),
-    ];
-    match known.iter().find(|known| known.0 && options.method == Method::Paper) {
-        Some((_, structure)) => Err(Error::Structure { structure }),
-        None => Ok(()),
-    }
-}
-
-fn expect_finite(signals: &Signals) -> Result<(), Error> {
-    match signals.data.iter().position(|x| !x.is_finite()) {
-        None => Ok(()),
-        Some(k) => {
-            let (channel, sample) = (k % signals.channels(), k / signals.channels());
-            let channel = signals.names[channel].clone();
-            Err(Error::NotFinite { channel, sample, value: signals.data[k] })
-        }
-    }
-}
-
-/// Whole samples of the estimating part.
-fn estimation_samples(all: usize, options: &Options) -> Result<usize, Error> {
-    let s = (all as f64 * options.estimate).floor() as usize;
-    // The validating part must at least tell its initial state apart from the rest.
-    if s < all {
-        expect_samples("validation", all - s, 2 * options.block_rows, options.block_rows)?
-    }
-    Ok(s)
-}
-
-fn expect_samples(what: &'static str, found: usize, needed: usize, block_rows: usize) -> Result<(), Error> {
-    if found < needed { Err(Error::TooFewSamples { what, found, needed, block_rows }) } else { Ok(()) }
+    let columns = samples.U.nrows() - 2 * factor.i + 1;
+    Ok((innovations(&factor, &model.A, &model.C, columns), doubts::of_loop(&factor, samples.feedthrough)?))
 }

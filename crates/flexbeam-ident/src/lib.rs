@@ -32,15 +32,21 @@
 
 pub mod breakaway;
 mod candidate;
+mod delay;
+mod doubts;
 mod error;
 mod estimation;
 pub mod excitation;
 mod hankel;
 pub mod identify;
+mod innovations;
 mod integrators;
+mod modes;
 mod order;
+pub mod orders;
 mod output_map;
 pub mod physical;
+mod prepared;
 mod projection;
 mod scaling;
 mod singular;
@@ -50,5 +56,9 @@ mod subspace;
 mod triangle;
 pub mod validate;
 
+pub use delay::Delay;
+pub use doubts::Doubt;
 pub use error::Error;
 pub use identify::{Feedthrough, Identified, Method, Options, Order, Poles, identify};
+pub use innovations::Innovations;
+pub use modes::Mode;

@@ -34,11 +34,6 @@ impl Scaling {
         Scaling { mean, scale }
     }
 
-    /// Moves the means by these scaled offsets.
-    pub fn shift(&mut self, offset: &flexbeam_lti::Vector) {
-        self.mean.iter_mut().zip(&self.scale).zip(offset).for_each(|((mean, scale), d)| *mean += scale * d);
-    }
-
     /// (data - mean) / scale, samples x channels.
     pub fn apply(&self, data: &Mat) -> Mat {
         Mat::from_fn(data.nrows(), data.ncols(), |k, c| (data[(k, c)] - self.mean[c]) / self.scale[c])

@@ -6,6 +6,7 @@
 mod blocks;
 mod compression;
 pub mod connections;
+pub mod discrete_riccati;
 #[cfg(test)]
 mod draw;
 pub mod equilibration;
