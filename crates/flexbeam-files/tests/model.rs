@@ -189,7 +189,12 @@ fn full(entries: &[f64]) -> Model {
         estimate: Some(0.5),
         samples: None,
         remove_mean: Some(true),
+        integrators: Some(1),
+        input_delay: Some(vec![0, 3]),
+        output_means: Some(vec![*a]),
     });
+    let K = Rows(vec![vec![*a], vec![*b]]);
+    model.innovations = Some(Innovations { K, covariance: Rows(vec![vec![*d]]) });
     model.provenance = Some(Provenance {
         tool: "flexbeam 0.1.0".into(),
         command: Some("flexbeam identify 'a \"b\".csv' \\ \u{7f}\n".into()),

@@ -27,6 +27,8 @@ const CHOSEN_LEVELS: usize = 10;
 const COARSE_LEVELS: usize = 64;
 /// A step above this part of the rms is coarse: as noise it leaves 3 %.
 const COARSE_STEP: f64 = 0.1;
+/// Outputs that move by less than this part of their rms within the block rows stand still for them.
+const HARDLY_MOVES: f64 = 0.05;
 /// Part of the input, beyond what its own past says, that the outputs' past says: open loop leaves sampling error.
 const FEEDBACK: f64 = 0.05;
 /// The input follows from the outputs but for this part: nothing came from outside.
@@ -57,6 +59,13 @@ pub enum Doubt {
         /// Samples that repeat the one before [percent].
         still_percent: f64,
     },
+    /// Nothing moves within the horizon: sampled too fast for these block rows.
+    Slow {
+        /// Movement of the liveliest output within it, over its rms [percent].
+        percent: f64,
+        /// Block rows i.
+        block_rows: usize,
+    },
     /// Inputs and outputs follow from each other at the same sample.
     Inverse,
     /// The input follows in part from the outputs: feedback, under which noise and input go together.
@@ -78,6 +87,11 @@ impl fmt::Display for Doubt {
                 f,
                 "{channel} has {levels} levels, {step_percent:.0} % of its rms apart, and {still_percent:.0} % of its samples repeat \
                  the one before: much of what it did is lost"
+            ),
+            Doubt::Slow { percent, block_rows } => write!(
+                f,
+                "within {block_rows} samples, the block rows, the outputs move by {percent:.1} % of their rms: sampled too fast for \
+                 them; noise is all that they see clearly"
             ),
             Doubt::Inverse => write!(
                 f,
@@ -152,6 +166,19 @@ fn coarse(name: &str, x: &[f64], levels: &[f64]) -> Option<Doubt> {
         step_percent: 100.0 * step / rms,
         still_percent: 100.0 * still,
     })
+}
+
+/// Whether the outputs hardly move within i samples.
+pub(crate) fn of_horizon(outputs: &Signals, i: usize) -> Option<Doubt> {
+    let movement = |row: usize| {
+        let y: Vec<f64> = outputs.data.row(row).iter().copied().collect();
+        let mean = y.iter().sum::<f64>() / y.len() as f64;
+        let size: f64 = y.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / y.len() as f64;
+        let moved = y.iter().zip(&y[i.min(y.len())..]).map(|(a, b)| (b - a).powi(2)).sum::<f64>();
+        (moved / (y.len() - i) as f64 / size).sqrt()
+    };
+    let most = (0..outputs.channels()).map(movement).filter(|part| part.is_finite()).fold(0.0, f64::max);
+    (most < HARDLY_MOVES).then_some(Doubt::Slow { percent: 100.0 * most, block_rows: i })
 }
 
 /// Whether the input answers to the outputs: u(k) regressed on its own past, then on the outputs' past and present too.

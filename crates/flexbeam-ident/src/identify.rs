@@ -189,7 +189,7 @@ pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Resul
         block_rows: candidate.block_rows,
         method: candidate.method,
         innovations: innovations.map(|found| prepared.restored_innovations(found)),
-        doubts: doubts::of_channels(inputs, outputs).into_iter().chain(in_loop).collect(),
+        doubts: doubts(inputs, outputs, options, candidate.block_rows).into_iter().chain(in_loop).collect(),
         estimation_samples: prepared.estimation_samples,
         fit_percent,
         estimation_fit_percent,
@@ -197,6 +197,12 @@ pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Resul
         input_means: prepared.input_means(),
         input_delay: prepared.delays,
     })
+}
+
+/// Of channels and horizon; an integrator's drift hides what moves within the horizon.
+fn doubts(inputs: &Signals, outputs: &Signals, options: &Options, block_rows: usize) -> Vec<Doubt> {
+    let slow = doubts::of_horizon(outputs, block_rows).filter(|_| options.integrators == 0);
+    doubts::of_channels(inputs, outputs).into_iter().chain(slow).collect()
 }
 
 fn estimated(samples: &Estimation, options: &Options) -> Result<(Chosen, Estimate), Error> {
