@@ -39,6 +39,8 @@ pub struct Model {
     pub uncertainty: Option<Uncertainty>,
     /// How well it predicts data that it has not seen.
     pub validation: Option<Validation>,
+    /// What it leaves unexplained.
+    pub innovations: Option<Innovations>,
     /// How it was found.
     pub identification: Option<Identification>,
     /// Where it came from.
@@ -122,6 +124,16 @@ pub struct Validation {
     pub samples: Option<usize>,
 }
 
+/// x(k+1) = A x + B u + K e, y = C x + D u + e, A - K C stable; of the sampled model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Innovations {
+    /// Gain, n x l.
+    pub K: Rows,
+    /// Covariance of e, l x l, in the outputs' units.
+    pub covariance: Rows,
+}
+
 /// How the model was found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -142,6 +154,12 @@ pub struct Identification {
     pub samples: Option<usize>,
     /// Whether means were removed.
     pub remove_mean: Option<bool>,
+    /// Poles that were known to be 1.
+    pub integrators: Option<usize>,
+    /// Delay of each input, which the model carries as states [samples].
+    pub input_delay: Option<Vec<usize>>,
+    /// What was taken from the outputs: means, and the offsets that were estimated with it.
+    pub output_means: Option<Vec<f64>>,
     /// What `--refine` did afterwards.
     pub refinement: Option<Refinement>,
 }
@@ -187,6 +205,7 @@ impl Model {
             physical: None,
             uncertainty: None,
             validation: None,
+            innovations: None,
             identification: None,
             provenance: None,
         }
@@ -248,6 +267,11 @@ impl Document for Model {
         }
         if let Some(uncertainty) = &self.uncertainty {
             uncertainty.check().map_err(|misfit| misfit.under("uncertainty"))?;
+        }
+        if let Some(innovations) = &self.innovations {
+            let n = self.A.0.len();
+            innovations.K.check(n, l).map_err(|misfit| misfit.under("K").under("innovations"))?;
+            innovations.covariance.check(l, l).map_err(|misfit| misfit.under("covariance").under("innovations"))?;
         }
         match &self.validation {
             Some(validation) => check_outputs(validation, &self.outputs),

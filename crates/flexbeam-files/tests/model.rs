@@ -189,6 +189,9 @@ fn full(entries: &[f64]) -> Model {
         estimate: Some(0.5),
         samples: None,
         remove_mean: Some(true),
+        integrators: Some(1),
+        input_delay: Some(vec![0, 3]),
+        output_means: Some(vec![*a]),
         refinement: Some(Refinement {
             errors: "predicted".into(),
             iterations: 9,
@@ -199,6 +202,8 @@ fn full(entries: &[f64]) -> Model {
             K: Some(Rows::from(&Mat::from_row_slice(2, 1, &[0.1, -1e-9]))),
         }),
     });
+    let K = Rows(vec![vec![*a], vec![*b]]);
+    model.innovations = Some(Innovations { K, covariance: Rows(vec![vec![*d]]) });
     model.provenance = Some(Provenance {
         tool: "flexbeam 0.1.0".into(),
         command: Some("flexbeam identify 'a \"b\".csv' \\ \u{7f}\n".into()),

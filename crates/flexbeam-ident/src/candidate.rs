@@ -13,6 +13,8 @@ use crate::{Error, Options, order, subspace};
 
 /// Samples that a comparison simulates: what they cannot tell apart is equally good.
 const COMPARED: usize = 8192;
+/// A past that moves the outputs by less than this part of them is rounding.
+const NO_STATE: f64 = 1e-12;
 /// Two sums of squared errors within this many standard errors of their difference are equal.
 const STANDARD_ERRORS: f64 = 1.0;
 
@@ -30,6 +32,14 @@ pub(crate) struct Candidate {
     pub C: Mat,
 }
 
+/// The chosen candidate with the factor that it comes from.
+pub(crate) struct Chosen {
+    /// Who was chosen.
+    pub candidate: Candidate,
+    /// Of its horizon.
+    pub factor: Factor,
+}
+
 /// The candidate that `options` asks for; of several, the one that the estimating samples prefer.
 ///
 /// Candidates of one order have equally many parameters, so the squared errors of their simulated outputs compare as they
@@ -39,8 +49,8 @@ pub(crate) struct Candidate {
 ///
 /// Errors: [`Error::Order`], [`Error::NoState`], those of the factor.
 /// Source: Bauer 2005 (CVA's efficiency); Breiman et al. 1984, section 3.4.3 (the rule of one standard error).
-pub(crate) fn best(samples: &Estimation, options: &Options) -> Result<Candidate, Error> {
-    let mut all = Vec::new();
+pub(crate) fn best(samples: &Estimation, options: &Options) -> Result<Chosen, Error> {
+    let (mut all, mut factors) = (Vec::new(), Vec::new());
     for (k, &block_rows) in horizons(options).iter().enumerate() {
         let factor = match samples.factor(block_rows) {
             Ok(factor) => factor,
@@ -49,12 +59,17 @@ pub(crate) fn best(samples: &Estimation, options: &Options) -> Result<Candidate,
             Err(_) => continue,
         };
         all.extend(of_horizon(samples, &factor, options)?);
+        factors.push(factor);
     }
-    if all.len() == 1 {
-        return Ok(all.remove(0));
-    }
-    let missed: Vec<Vec<f64>> = all.iter().map(|c| samples.squares(COMPARED, &c.A, &c.C)).collect::<Result<_, _>>()?;
-    Ok(all.swap_remove(preferred(&missed)))
+    let k = if all.len() == 1 {
+        0
+    } else {
+        let missed = all.iter().map(|candidate| samples.squares(COMPARED, &candidate.A, &candidate.C));
+        preferred(&missed.collect::<Result<Vec<_>, _>>()?)
+    };
+    let candidate = all.swap_remove(k);
+    let place = factors.iter().position(|factor| factor.i == candidate.block_rows).expect("its own");
+    Ok(Chosen { candidate, factor: factors.swap_remove(place) })
 }
 
 /// Block rows that compete, none twice.
@@ -104,7 +119,9 @@ pub(crate) fn chosen_order(
     options: &Options,
 ) -> Result<usize, Error> {
     let rank = order::rank(&found.singular_values);
-    if rank == 0 {
+    let outputs = factor.L.select_rows(&factor.outputs(factor.i..2 * factor.i)).norm();
+    // Beside the outputs themselves: a relation at the same sample leaves singular values that are rounding altogether.
+    if rank == 0 || moesp.singular_values[0] <= NO_STATE * outputs {
         return Err(Error::NoState);
     }
     let shift = factor.l * (factor.i - 1);

@@ -84,6 +84,26 @@ pub enum Error {
         /// What bounds it.
         reason: &'static str,
     },
+    /// An input that no output answers to.
+    #[error(
+        "no output answers to input {input} (from 0) within {lags} samples by more than four standard errors; hint: \
+         --delay N where you know it, more block rows for a longer delay, or leave the input out"
+    )]
+    NoAnswer {
+        /// Which input, from 0.
+        input: usize,
+        /// Lags that were looked at.
+        lags: usize,
+    },
+    /// Feedback and nothing else moved the input.
+    #[error(
+        "the input follows from the outputs but for a part of {left:.0e}: a closed loop without external excitation; a model of \
+         it would be the controller's inverse; hint: add a test signal to the loop's reference or voltage and record again"
+    )]
+    ClosedLoop {
+        /// Variance of the input that the outputs leave, relative to what its own past leaves.
+        left: f64,
+    },
     /// Known structure that the paper's equations have no place for.
     #[error("the paper's equations (13)-(17) have no place for {structure}; hint: --method auto has")]
     Structure {

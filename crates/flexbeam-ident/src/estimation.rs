@@ -5,7 +5,7 @@
 
 use flexbeam_lti::{Mat, StateSpace, Time, Vector, simulation};
 
-use crate::correlation::{Channels, Gram, Record};
+use crate::correlation::{Channels, Gram, gram_of};
 use crate::hankel::factor::{Factor, samples_needed};
 use crate::identify::{Feedthrough, Poles};
 use crate::output_map::Unknowns;
@@ -79,24 +79,30 @@ impl<'a> Estimation<'a> {
         if self.count() < needed {
             return Err(Error::TooFewSamples { what: "estimation", found: self.count(), needed, block_rows });
         }
-        let scale = &self.samples.scaling.scale;
-        let factor = if self.integrators > 0 {
-            self.summed_factor(block_rows)
-        } else if self.gram.i == block_rows {
-            Factor::of_gram(self.gram, m, scale, self.constant_row)
-        } else {
-            let gram = gram(&self.samples.channels, block_rows).about(&self.samples.scaling.mean);
-            Factor::of_gram(&gram, m, scale, self.constant_row)
+        let factor = match self.integrators {
+            0 => self.plain_factor(block_rows, self.constant_row),
+            _ => self.summed_factor(block_rows),
         };
         factor.expect_exciting()?;
         Ok(factor)
     }
 
+    /// Triangular factor of inputs and outputs as they are.
+    pub fn plain_factor(&self, block_rows: usize, constant_row: bool) -> Factor {
+        let Samples { channels, scaling, m, threads } = &self.samples;
+        if self.gram.i == block_rows {
+            return Factor::of_gram(self.gram, *m, &scaling.scale, constant_row);
+        }
+        let gram = gram_of(channels, block_rows, *threads).expect("finite samples").about(&scaling.mean);
+        Factor::of_gram(&gram, *m, &scaling.scale, constant_row)
+    }
+
     /// The sum starts anywhere: what is missing of it is an offset of every Hankel row.
     fn summed_factor(&self, block_rows: usize) -> Factor {
-        let Samples { channels, scaling, m } = &self.samples;
+        let Samples { channels, scaling, m, threads } = &self.samples;
         let V = integrators::running_sum(&self.samples.matrices().0);
-        let summed = gram(&Channels::of_columns(&V).beside(channels.from(*m)), block_rows);
+        let summed = Channels::of_columns(&V).beside(channels.from(*m));
+        let summed = gram_of(&summed, block_rows, *threads).expect("finite samples");
         let scale: Vec<f64> = (0..*m).map(|_| 1.0).chain(scaling.scale[*m..].iter().copied()).collect();
         Factor::of_gram(&summed, *m, &scale, true)
     }
@@ -123,10 +129,14 @@ impl<'a> Estimation<'a> {
     pub fn squares(&self, samples: usize, A: &Mat, C: &Mat) -> Result<Vec<f64>, Error> {
         let head = self.samples.part(0..samples.min(self.count()));
         let estimate = self.completed_from(&head, A.clone(), C.clone())?;
-        let (U, Y) = head.matrices();
-        let simulated = simulation::simulate(&estimate.model, &U.transpose(), &estimate.initial_state)?;
-        let missed = |k: usize, p: usize| Y[(k, p)] - estimate.offset[p] - simulated[(p, k)];
-        Ok((0..Y.nrows()).map(|k| (0..Y.ncols()).map(|p| missed(k, p).powi(2)).sum()).collect())
+        Ok(missed(&head, &estimate)?.row_iter().map(|e| e.norm_squared()).collect())
+    }
+
+    /// y - yhat, samples x outputs, of the simulation; infinite where it overflows.
+    ///
+    /// Errors: those of the simulation.
+    pub fn missed(&self, estimate: &Estimate) -> Result<Mat, Error> {
+        missed(&self.samples, estimate)
     }
 
     fn completed_from(&self, samples: &Samples, A: Mat, C: Mat) -> Result<Estimate, Error> {
@@ -137,11 +147,8 @@ impl<'a> Estimation<'a> {
     }
 }
 
-/// H H' of these channels.
-///
-/// Assumes: finite samples.
-fn gram(channels: &Channels, block_rows: usize) -> Gram {
-    let mut record = Record::new(channels.count(), block_rows);
-    record.absorb(channels, 1).expect("finite samples");
-    record.finish()
+fn missed(samples: &Samples, estimate: &Estimate) -> Result<Mat, Error> {
+    let (U, Y) = samples.matrices();
+    let simulated = simulation::simulate(&estimate.model, &U.transpose(), &estimate.initial_state)?;
+    Ok(Mat::from_fn(Y.nrows(), Y.ncols(), |k, p| Y[(k, p)] - estimate.offset[p] - simulated[(p, k)]))
 }

@@ -1,15 +1,15 @@
 //! Subspace identification from end to end: recording in, model out.
 
-use flexbeam_lti::{Signals, StateSpace, Time, Vector, sampling};
+use flexbeam_lti::{Signals, StateSpace, Vector, sampling};
 
-use crate::correlation::{Channels, Gram, NotFinite, Record};
+use crate::candidate::{Candidate, Chosen};
 use crate::estimation::{Estimate, Estimation};
-use crate::hankel::factor::samples_needed;
+use crate::hankel::factor::Factor;
+use crate::innovations::innovations;
+use crate::prepared::Prepared;
 use crate::projection::directions;
-use crate::samples::Samples;
-use crate::scaling::Scaling;
 use crate::validate::{Validation, validate};
-use crate::{Error, candidate, subspace};
+use crate::{Delay, Doubt, Error, Innovations, candidate, doubts, subspace};
 
 /// Weights of equation (14).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,6 +108,8 @@ pub struct Options {
     pub feedthrough: Feedthrough,
     /// Default [`Poles::Free`].
     pub poles: Poles,
+    /// Whole samples that an input takes before anything answers; the model carries them as states with poles at 0. Default none.
+    pub delay: Delay,
 }
 
 impl Default for Options {
@@ -123,6 +125,7 @@ impl Default for Options {
             integrators: 0,
             feedthrough: Feedthrough::Free,
             poles: Poles::Free,
+            delay: Delay::Samples(0),
         }
     }
 }
@@ -144,6 +147,12 @@ pub struct Identified {
     pub block_rows: usize,
     /// The method whose weights were taken: never [`Method::Auto`].
     pub method: Method,
+    /// Delay of each input [samples].
+    pub input_delay: Vec<usize>,
+    /// Gain and covariance of the innovations form; None where rounding alone is left, as without noise.
+    pub innovations: Option<Innovations>,
+    /// What makes the recording doubtful.
+    pub doubts: Vec<Doubt>,
     /// Samples that estimated; the others validated.
     pub estimation_samples: usize,
     /// Fit of each output on the validating samples; None when there are none.
@@ -165,170 +174,71 @@ pub struct Identified {
 /// operations a sample. Without noise, poles to about 1e-13.
 /// Source: the paper, (7)-(17); DESIGN section 5 says where the default differs.
 pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<Identified, Error> {
-    check(inputs, outputs, options)?;
-    let (m, l, i) = (inputs.channels(), outputs.channels(), options.block_rows);
-    let s = estimation_samples(inputs.samples(), options)?;
-    expect_samples("estimation", s, samples_needed(i, m, l), i)?;
-    let all = Channels::of_rows(&inputs.data).beside(Channels::of_rows(&outputs.data));
-    let (estimating, rest) = (0..s, s..all.samples());
-    let gram = gram_of_finite(&all, &estimating, i).map_err(|bad| not_finite(inputs, outputs, bad))?;
-    // An integrator turns the mean taken from its input into a drift.
-    let (mut scaling, gram) = Scaling::of(gram, |c| options.remove_mean && (c >= m || options.integrators == 0));
-    let time = Time::Sampled { period_s: inputs.period_s };
-    let samples = Samples { channels: all.part(estimating), scaling: &scaling, m };
-
-    let (chosen, estimate) = estimated(&Estimation::new(samples, &gram, time, options), options)?; // (8)-(17)
-    scaling.shift(m, estimate.offset.as_slice());
-    let unseen = Samples { channels: all.part(rest.clone()), scaling: &scaling, m };
-    let fit_percent = if rest.is_empty() { None } else { Some(unseen.fit_percent(&estimate.model)?) };
-    let (input_scaling, output_scaling) = (scaling.part(0..m), scaling.part(m..m + l));
-    let model = unscaled(&estimate.model, &input_scaling, &output_scaling)?;
+    let prepared = Prepared::new(inputs, outputs, options)?;
+    let samples = prepared.estimating(options);
+    let (Chosen { candidate, factor }, estimate) = estimated(&samples, options)?; // (8)-(17)
+    let (innovations, in_loop) = unexplained(&samples, factor, &estimate.model)?;
+    let fit_percent = prepared.unseen_fit_percent(&estimate)?;
+    let model = prepared.restored(&estimate.model)?;
     Ok(Identified {
         continuous: sampling::inverse_zoh(&model),
         order: model.order(),
+        initial_state: prepared.first_state(&model, &estimate)?,
         model,
-        initial_state: estimate.initial_state,
-        singular_values: chosen.singular_values,
-        block_rows: chosen.block_rows,
-        method: chosen.method,
-        estimation_samples: s,
+        singular_values: candidate.singular_values,
+        block_rows: candidate.block_rows,
+        method: candidate.method,
+        innovations: innovations.map(|found| prepared.restored_innovations(found)),
+        doubts: doubts(inputs, outputs, options, candidate.block_rows).into_iter().chain(in_loop).collect(),
+        estimation_samples: prepared.estimation_samples,
         fit_percent,
+        output_means: prepared.offsets(&estimate),
         estimation_fit_percent: estimate.fit_percent,
-        input_means: input_scaling.mean,
-        output_means: output_scaling.mean,
+        input_means: prepared.input_means(),
+        input_delay: prepared.delays,
     })
 }
 
-fn estimated(samples: &Estimation, options: &Options) -> Result<(candidate::Candidate, Estimate), Error> {
+/// Of channels and horizon; an integrator's drift hides what moves within the horizon.
+fn doubts(inputs: &Signals, outputs: &Signals, options: &Options, block_rows: usize) -> Vec<Doubt> {
+    let slow = doubts::of_horizon(outputs, block_rows).filter(|_| options.integrators == 0);
+    doubts::of_channels(inputs, outputs).into_iter().chain(slow).collect()
+}
+
+fn estimated(samples: &Estimation, options: &Options) -> Result<(Chosen, Estimate), Error> {
     if options.method == Method::Paper {
         return printed(samples, options);
     }
     let chosen = candidate::best(samples, options)?;
-    let estimate = samples.completed(chosen.A.clone(), chosen.C.clone())?;
+    let estimate = samples.completed(chosen.candidate.A.clone(), chosen.candidate.C.clone())?;
     Ok((chosen, estimate))
 }
 
 /// Equations (13)-(17) as the paper prints them.
-fn printed(samples: &Estimation, options: &Options) -> Result<(candidate::Candidate, Estimate), Error> {
+fn printed(samples: &Estimation, options: &Options) -> Result<(Chosen, Estimate), Error> {
     let factor = samples.factor(options.block_rows)?; // (8), (9)
     let (found, moesp) = (directions(&factor, Weighting::N4sid), directions(&factor, Weighting::Moesp)); // (13), (14)
     let n = candidate::chosen_order(&factor, &found, &moesp, 0, options)?;
     let [A, B, C, D] = subspace::state_sequences(&factor, &subspace::gamma(&found, n)).ok_or(Error::NoState)?; // (15)-(17)
     let model = StateSpace::new(A.clone(), B, C.clone(), D, samples.time)?;
     let (U, Y) = samples.samples.matrices();
-    let found_again = validate(&model, &U.transpose(), &Y.transpose())?;
-    let chosen = candidate::Candidate {
-        method: Method::Paper,
-        block_rows: factor.i,
-        singular_values: found.singular_values,
-        A,
-        C,
+    let Validation { initial_state, fit_percent, .. } = validate(&model, &U.transpose(), &Y.transpose())?;
+    let candidate =
+        Candidate { method: Method::Paper, block_rows: factor.i, singular_values: found.singular_values, A, C };
+    let offset = Vector::zeros(factor.l);
+    Ok((Chosen { candidate, factor }, Estimate { model, initial_state, offset, fit_percent }))
+}
+
+/// Innovations, and whether there is feedback, both from the factor of the inputs as they are.
+fn unexplained(
+    samples: &Estimation,
+    factor: Factor,
+    model: &StateSpace,
+) -> Result<(Option<Innovations>, Option<Doubt>), Error> {
+    let factor = match samples.integrators {
+        0 => factor,
+        _ => samples.plain_factor(factor.i, true),
     };
-    let Validation { initial_state, fit_percent, .. } = found_again;
-    Ok((chosen, Estimate { model, initial_state, offset: Vector::zeros(factor.l), fit_percent }))
-}
-
-/// H H' of the estimating samples; all samples are looked at, each once.
-fn gram_of_finite(all: &Channels, estimating: &std::ops::Range<usize>, block_rows: usize) -> Result<Gram, NotFinite> {
-    let mut record = Record::new(all.count(), block_rows);
-    record.absorb(&all.part(estimating.clone()), 1)?;
-    match all.part(estimating.end..all.samples()).not_finite() {
-        Some(bad) => Err(NotFinite { sample: estimating.end + bad.sample, ..bad }),
-        None => Ok(record.finish()),
-    }
-}
-
-/// The model between the channels as recorded: B / u, y C, y D / u with the channels' scales.
-fn unscaled(model: &StateSpace, inputs: &Scaling, outputs: &Scaling) -> Result<StateSpace, Error> {
-    let StateSpace { A, mut B, mut C, mut D, time } = model.clone();
-    for (c, u) in inputs.scale.iter().enumerate() {
-        B.column_mut(c).unscale_mut(*u);
-        D.column_mut(c).unscale_mut(*u);
-    }
-    for (p, y) in outputs.scale.iter().enumerate() {
-        C.row_mut(p).scale_mut(*y);
-        D.row_mut(p).scale_mut(*y);
-    }
-    Ok(StateSpace::new(A, B, C, D, time)?)
-}
-
-fn check(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<(), Error> {
-    let setting = |setting, found, needed| Err(Error::Setting { setting, found, needed });
-    expect_together(inputs, outputs)?;
-    if let Some(few) = [options.block_rows].iter().chain(&options.more_block_rows).find(|&&i| i < 2) {
-        return setting("block_rows", *few as f64, "at least 2");
-    }
-    expect_structure(inputs.channels(), outputs.channels(), options)?;
-    if !(options.estimate > 0.0 && options.estimate <= 1.0) {
-        return setting("estimate", options.estimate, "more than 0 and at most 1");
-    }
-    Ok(())
-}
-
-/// Errors: an order without a state beside the integrators, more integrators than channels, structure that (13)-(17) do not know.
-fn expect_structure(m: usize, l: usize, options: &Options) -> Result<(), Error> {
-    let setting = |setting, found: usize, needed| Err(Error::Setting { setting, found: found as f64, needed });
-    match options.order {
-        Order::Fixed(0) => return setting("order", 0, "at least 1"),
-        Order::Fixed(n) if n <= options.integrators => {
-            return setting("order", n, "more than the known integrators");
-        }
-        _ => {}
-    }
-    if options.integrators > m.min(l) {
-        return setting("integrators", options.integrators, "at most as many as inputs and as outputs");
-    }
-    let known = [
-        (options.integrators > 0, "integrators"),
-        (options.feedthrough == Feedthrough::Zero, "no feedthrough"),
-        (options.poles == Poles::Stable, "stable poles"),
-        (!options.more_block_rows.is_empty(), "several block rows"),
-    ];
-    match known.iter().find(|known| known.0 && options.method == Method::Paper) {
-        Some((_, structure)) => Err(Error::Structure { structure }),
-        None => Ok(()),
-    }
-}
-
-/// Channels on both sides, recorded in step.
-pub(crate) fn expect_together(inputs: &Signals, outputs: &Signals) -> Result<(), Error> {
-    if inputs.channels() == 0 || outputs.channels() == 0 {
-        return Err(Error::NoChannel { inputs: inputs.channels(), outputs: outputs.channels() });
-    }
-    if inputs.samples() != outputs.samples() {
-        return Err(Error::Length { inputs: inputs.samples(), outputs: outputs.samples() });
-    }
-    let (input_s, output_s) = (inputs.period_s, outputs.period_s);
-    let axes = [input_s, output_s].map(|period_s| Time::Sampled { period_s });
-    if axes[0].common(axes[1]).is_err() {
-        return Err(Error::Period { input_s, output_s });
-    }
-    Ok(())
-}
-
-/// All samples finite.
-pub(crate) fn expect_finite(inputs: &Signals, outputs: &Signals) -> Result<(), Error> {
-    let all = Channels::of_rows(&inputs.data).beside(Channels::of_rows(&outputs.data));
-    all.not_finite().map_or(Ok(()), |bad| Err(not_finite(inputs, outputs, bad)))
-}
-
-fn not_finite(inputs: &Signals, outputs: &Signals, bad: NotFinite) -> Error {
-    let m = inputs.channels();
-    let (signals, row) = if bad.channel < m { (inputs, bad.channel) } else { (outputs, bad.channel - m) };
-    let value = signals.data[(row, bad.sample)];
-    Error::NotFinite { channel: signals.names[row].clone(), sample: bad.sample, value }
-}
-
-/// Whole samples of the estimating part.
-fn estimation_samples(all: usize, options: &Options) -> Result<usize, Error> {
-    let s = (all as f64 * options.estimate).floor() as usize;
-    // The validating part must at least tell its initial state apart from the rest.
-    if s < all {
-        expect_samples("validation", all - s, 2 * options.block_rows, options.block_rows)?
-    }
-    Ok(s)
-}
-
-fn expect_samples(what: &'static str, found: usize, needed: usize, block_rows: usize) -> Result<(), Error> {
-    if found < needed { Err(Error::TooFewSamples { what, found, needed, block_rows }) } else { Ok(()) }
+    let columns = samples.count() - 2 * factor.i + 1;
+    Ok((innovations(&factor, &model.A, &model.C, columns), doubts::of_loop(&factor, samples.feedthrough)?))
 }

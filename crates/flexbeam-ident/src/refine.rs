@@ -32,7 +32,7 @@ use std::ops::ControlFlow;
 
 use flexbeam_lti::{Mat, StateSpace, Vector};
 
-use crate::scaling::Scaling;
+use crate::scaling::{Scaling, rescaled};
 use crate::{Error, Feedthrough, Poles};
 pub use criterion::Criterion;
 use criterion::Measure;
@@ -223,16 +223,6 @@ impl Scales {
     fn unscaled_gain(&self, K: Mat) -> Mat {
         Mat::from_fn(K.nrows(), K.ncols(), |r, c| K[(r, c)] / self.outputs.scale[c])
     }
-}
-
-/// The model between inputs u_c/`inputs`_c and outputs y_p/`outputs`_p, told for u and y.
-fn rescaled(model: &StateSpace, inputs: &[f64], outputs: &[f64]) -> Result<StateSpace, Error> {
-    let StateSpace { A, B, C, D, time } = model;
-    let (n, m, l) = (model.order(), model.inputs(), model.outputs());
-    let B = Mat::from_fn(n, m, |r, c| B[(r, c)] / inputs[c]);
-    let C = Mat::from_fn(l, n, |r, c| C[(r, c)] * outputs[r]);
-    let D = Mat::from_fn(l, m, |r, c| D[(r, c)] / inputs[c] * outputs[r]);
-    Ok(StateSpace::new(A.clone(), B, C, D, *time)?)
 }
 
 #[cfg(test)]

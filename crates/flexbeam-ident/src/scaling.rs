@@ -3,8 +3,9 @@
 //! Enters: recorded channels. Leaves: channels of unit rms. Deliberately absent: filters and resampling, which change
 //! the model and therefore belong to the person.
 
-use flexbeam_lti::Mat;
+use flexbeam_lti::{Mat, StateSpace};
 
+use crate::Error;
 use crate::correlation::{Channels, Gram, Record};
 use crate::double::Double;
 
@@ -58,4 +59,20 @@ impl Scaling {
     pub fn apply_rows(&self, data: &Mat) -> Mat {
         Mat::from_fn(data.nrows(), data.ncols(), |c, k| (data[(c, k)] - self.mean[c]) / self.scale[c])
     }
+}
+
+/// The model between unscaled channels, from the one between scaled channels: B / u, y C, y D / u.
+///
+/// Errors: shapes that do not fit, which is a bug of the caller.
+pub(crate) fn rescaled(model: &StateSpace, u: &[f64], y: &[f64]) -> Result<StateSpace, Error> {
+    let StateSpace { A, mut B, mut C, mut D, time } = model.clone();
+    for (c, u) in u.iter().enumerate() {
+        B.column_mut(c).unscale_mut(*u);
+        D.column_mut(c).unscale_mut(*u);
+    }
+    for (p, y) in y.iter().enumerate() {
+        C.row_mut(p).scale_mut(*y);
+        D.row_mut(p).scale_mut(*y);
+    }
+    Ok(StateSpace::new(A, B, C, D, time)?)
 }

@@ -3,7 +3,9 @@
 //! Enters: Gamma, the A of its shift structure. Leaves: an A all of whose eigenvalues are stable.
 //! Deliberately absent: poles mirrored or cut off, which forget what the data say about the directions.
 
-use flexbeam_lti::{C64, CMat, Mat};
+use flexbeam_lti::{C64, Mat};
+
+use crate::modes::eigenvector;
 
 /// Steps of the constrained least squares; ten to a hundred settle it.
 const MOST_STEPS: usize = 300;
@@ -15,8 +17,6 @@ const SETTLED: f64 = 1e-12;
 const ON_THE_LIMIT: f64 = 1e-6;
 /// An eigenvalue nearer to the limit than this may cross it within the step: it is watched.
 const NEAR_THE_LIMIT: f64 = 0.02;
-/// Steps of inverse iteration: each gains ten digits.
-const INVERSE_STEPS: usize = 3;
 
 /// min |Gamma_up A - Gamma_down|^2 over |eig A| <= 1 - 1/s.
 ///
@@ -112,20 +112,6 @@ fn modulus(A: &Mat, z: C64) -> (f64, Mat) {
 
 fn radius(A: &Mat) -> f64 {
     A.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max)
-}
-
-/// v with A v = z v, of unit length, by inverse iteration.
-fn eigenvector(A: &Mat, z: C64) -> CMat {
-    let n = A.nrows();
-    // Beside the eigenvalue, so that the matrix has an inverse.
-    let beside = z * (1.0 + f64::EPSILON.powf(0.75));
-    let pencil = (A.map(C64::from) - CMat::from_diagonal_element(n, n, beside)).full_piv_lu();
-    let mut v = CMat::from_fn(n, 1, |r, _| C64::new(1.0, 0.3 * r as f64));
-    for _ in 0..INVERSE_STEPS {
-        v = pencil.solve(&v).unwrap_or(v);
-        v.unscale_mut(v.norm());
-    }
-    v
 }
 
 #[cfg(test)]

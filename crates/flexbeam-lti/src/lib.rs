@@ -7,6 +7,7 @@ mod blocks;
 mod compression;
 pub mod connections;
 pub mod cover;
+pub mod discrete_riccati;
 #[cfg(test)]
 mod draw;
 pub mod equilibration;

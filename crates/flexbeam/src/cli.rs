@@ -13,7 +13,7 @@ mod viewers;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use flexbeam_ident::Order;
+use flexbeam_ident::{Delay, Order};
 
 use crate::nominal::Nominal;
 pub use export::{DEFAULT_NAME, Export, Form, Precision};
@@ -104,9 +104,9 @@ pub struct Identify {
     /// Sample period [s], where the file has no time column
     #[arg(long)]
     pub period: Option<f64>,
-    /// Block rows i of the Hankel matrices
-    #[arg(long, default_value_t = 20)]
-    pub block_rows: usize,
+    /// Block rows i of the Hankel matrices; several compete on the estimating part [default: 20, with integrators 20,40,60]
+    #[arg(long, value_delimiter = ',')]
+    pub block_rows: Vec<usize>,
     /// Order n, or `auto` for the rule on the singular values
     #[arg(long, default_value = "auto", value_parser = order)]
     pub order: Order,
@@ -116,9 +116,24 @@ pub struct Identify {
     /// Part of the recording that estimates; the rest validates
     #[arg(long, default_value_t = 0.5)]
     pub estimate: f64,
-    /// Remove the means of the estimating part
+    /// Remove the means of the estimating part, and estimate what is left of an offset on each output
     #[arg(long)]
     pub remove_mean: bool,
+    /// Poles known to be exactly 1: a motor's angle has one. D is zero then
+    #[arg(long, default_value_t = 0)]
+    pub integrators: usize,
+    /// D is known to be zero
+    #[arg(long)]
+    pub no_feedthrough: bool,
+    /// Whole samples that the inputs are late, or `auto`; the model carries them as states
+    #[arg(long, default_value = "0", value_parser = delay)]
+    pub delay: Delay,
+    /// Poles inside the unit circle, by constrained least squares
+    #[arg(long)]
+    pub stable: bool,
+    /// Compare all orders up to this one: fits, information criterion, stabilisation diagram with --plots
+    #[arg(long)]
+    pub orders: Option<usize>,
     /// Refine the model by the errors of the simulated output, or by those of a one-step prediction
     #[arg(long, value_enum, value_name = "ERRORS", num_args = 0..=1, require_equals = true, default_missing_value = "simulated")]
     pub refine: Option<Refinement>,
@@ -148,10 +163,19 @@ fn order(text: &str) -> Result<Order, String> {
     }
 }
 
+/// `auto`, or a whole number from 0.
+fn delay(text: &str) -> Result<Delay, String> {
+    match text.parse::<usize>() {
+        _ if text == "auto" => Ok(Delay::Auto),
+        Ok(samples) => Ok(Delay::Samples(samples)),
+        _ => Err("needed `auto` or a whole number of samples".into()),
+    }
+}
+
 /// Subspace methods.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub enum Method {
-    /// MOESP weighting; B, D and x0 by least squares on the simulated output
+    /// The weighting whose simulated output is best on the estimating part; B, D and x0 by least squares on that output
     Auto,
     /// Equations (13)-(17) of the paper: exact without noise only
     Paper,

@@ -7,6 +7,7 @@ mod bode;
 mod bound;
 mod hinted;
 mod link;
+mod orders;
 pub(crate) mod pictures;
 mod refinement;
 mod table;
@@ -20,7 +21,7 @@ use flexbeam_files::{
     ColumnName, Document, Excitation, Identification, IdentifyResult, Layout, Matrices, Model, Recording, Rows,
     json_text, pairs,
 };
-use flexbeam_ident::{Identified, Options, Order, identify};
+use flexbeam_ident::{Feedthrough, Identified, Options, Order, Poles, identify};
 use flexbeam_lti::Signals;
 use indicatif::ProgressBar;
 
@@ -60,12 +61,16 @@ pub fn run(arguments: &cli::Identify) -> Result<(), Failure> {
     let (experiment, found) = identified(arguments)?;
     found.notes(arguments, &experiment);
     let options = options(arguments);
+    let rows = orders::rows(arguments, &experiment, &options)?;
     if let Some(folder) = &arguments.plots {
         pictures::draw(folder, &experiment, &found, &options)?;
+        orders::draw(folder, &rows, experiment.outputs.channels())?;
     }
+    let mut result = found.result(&experiment, &options);
+    result.orders = arguments.orders.map(|_| orders::results(&experiment, &rows));
     match arguments.json {
-        true => println!("{}", json_text(&found.result(&experiment, &options))),
-        false => print!("{}", table::text(arguments, &experiment, &found)),
+        true => println!("{}", json_text(&result)),
+        false => print!("{}{}", table::text(arguments, &experiment, &found), orders::text(&experiment, &rows)),
     }
     Ok(())
 }
@@ -97,8 +102,19 @@ pub(crate) fn identified(arguments: &cli::Identify) -> Result<(Experiment, Found
 }
 
 fn options(arguments: &cli::Identify) -> Options {
+    let block_rows = match (&arguments.block_rows[..], arguments.integrators) {
+        ([], 0) => &[20][..],
+        // What an integrator leaves is slow: more rows see it better, and cost.
+        ([], _) => &[20, 40, 60],
+        (given, _) => given,
+    };
     Options {
-        block_rows: arguments.block_rows,
+        block_rows: block_rows[0],
+        more_block_rows: block_rows[1..].to_vec(),
+        integrators: arguments.integrators,
+        feedthrough: if arguments.no_feedthrough { Feedthrough::Zero } else { Feedthrough::Free },
+        poles: if arguments.stable { Poles::Stable } else { Poles::Free },
+        delay: arguments.delay,
         order: arguments.order,
         method: match arguments.method {
             cli::Method::Auto => flexbeam_ident::Method::Auto,
@@ -116,7 +132,8 @@ fn options(arguments: &cli::Identify) -> Options {
 /// The method by the name that files carry.
 fn method_name(method: flexbeam_ident::Method) -> &'static str {
     match method {
-        flexbeam_ident::Method::Auto | flexbeam_ident::Method::Moesp => "moesp",
+        flexbeam_ident::Method::Auto => "auto",
+        flexbeam_ident::Method::Moesp => "moesp",
         flexbeam_ident::Method::Paper => "paper",
         flexbeam_ident::Method::N4sid => "n4sid",
         flexbeam_ident::Method::Cva => "cva",
@@ -182,6 +199,7 @@ impl Found {
 
     /// What a person should know besides the figures: on standard error.
     fn notes(&self, arguments: &cli::Identify, experiment: &Experiment) {
+        self.identified.doubts.iter().for_each(|doubt| eprintln!("{doubt}"));
         let Identified { singular_values, order, .. } = &self.identified;
         if arguments.order == Order::Auto {
             let next = singular_values.get(*order).copied().unwrap_or(0.0);
@@ -224,7 +242,8 @@ impl Found {
     ) -> Result<Model, Failure> {
         let identified = &self.identified;
         let (inputs, outputs) = (&experiment.inputs, &experiment.outputs);
-        let fits = self.fits(experiment).into_iter().filter_map(|(name, fit)| Some((name, fit?)));
+        let fits = by_name(experiment, identified.fit_percent.as_ref());
+        let fits = fits.into_iter().filter_map(|(name, fit)| Some((name, fit?)));
         let validation = identified.fit_percent.as_ref().map(|_| files::Validation {
             fit_percent: fits.collect(),
             samples: Some(inputs.samples() - identified.estimation_samples),
@@ -234,7 +253,7 @@ impl Found {
             physical: self.physical(),
             validation,
             identification: Some(Identification {
-                method: method_name(options.method).into(),
+                method: method_name(self.identified.method).into(),
                 block_rows: identified.block_rows,
                 order: identified.order,
                 singular_values: identified.singular_values.clone(),
@@ -243,7 +262,11 @@ impl Found {
                 samples: Some(identified.estimation_samples),
                 remove_mean: Some(options.remove_mean),
                 refinement: self.refinement.as_ref().map(Refinement::file),
+                integrators: Some(options.integrators).filter(|integrators| *integrators > 0),
+                input_delay: Some(identified.input_delay.clone()).filter(|delays| delays.iter().any(|d| *d > 0)),
+                output_means: Some(identified.output_means.clone()).filter(|_| options.remove_mean),
             }),
+            innovations: self.innovations(),
             provenance: Some(provenance(&[recording], out)?),
             ..Model::new(&identified.model, inputs.names.clone(), outputs.names.clone())
         })
@@ -259,10 +282,9 @@ impl Found {
         self.link.as_ref().and_then(|link| link.fit.as_ref().ok()).map(link::physical_table)
     }
 
-    /// Fit by output's name; nothing where the simulation overflowed or nothing was left to validate.
-    fn fits(&self, experiment: &Experiment) -> BTreeMap<String, Option<f64>> {
-        let fit = |k: usize| self.identified.fit_percent.as_ref().map(|fits| fits[k]).filter(|fit| fit.is_finite());
-        experiment.outputs.names.iter().enumerate().map(|(k, name)| (name.clone(), fit(k))).collect()
+    fn innovations(&self) -> Option<files::Innovations> {
+        let found = self.identified.innovations.as_ref()?;
+        Some(files::Innovations { K: Rows::from(&found.K), covariance: Rows::from(&found.covariance) })
     }
 
     fn result(&self, experiment: &Experiment, options: &Options) -> IdentifyResult {
@@ -271,11 +293,11 @@ impl Found {
             order: *order,
             period_s: experiment.inputs.period_s,
             block_rows: *block_rows,
-            method: method_name(options.method).into(),
+            method: method_name(self.identified.method).into(),
             singular_values: singular_values.clone(),
             poles: pairs(&model.poles()),
             continuous_poles: continuous.as_ref().ok().map(|model| pairs(&model.poles())),
-            fit_percent: self.fits(experiment),
+            fit_percent: by_name(experiment, self.identified.fit_percent.as_ref()),
             physical: self.physical(),
             inputs: experiment.inputs.names.clone(),
             outputs: experiment.outputs.names.clone(),
@@ -285,6 +307,14 @@ impl Found {
             D: Rows::from(&model.D),
             initial_state: initial_state.as_slice().to_vec(),
             uncertainty: self.uncertainty.clone(),
+            integrators: options.integrators,
+            input_delay: self.identified.input_delay.clone(),
+            input_means: self.identified.input_means.clone(),
+            output_means: self.identified.output_means.clone(),
+            estimation_fit_percent: by_name(experiment, Some(&self.identified.estimation_fit_percent)),
+            innovations: self.innovations(),
+            doubts: self.identified.doubts.iter().map(ToString::to_string).collect(),
+            orders: None,
             identify_s: self.identify_s,
             refined: self.refinement.as_ref().map(|refinement| files::RefinedResult {
                 refinement: refinement.file(),
@@ -292,4 +322,10 @@ impl Found {
             }),
         }
     }
+}
+
+/// Fit by output's name; nothing where the simulation overflowed or there were no samples.
+fn by_name(experiment: &Experiment, fits: Option<&Vec<f64>>) -> BTreeMap<String, Option<f64>> {
+    let fit = |k: usize| fits.map(|fits| fits[k]).filter(|fit| fit.is_finite());
+    experiment.outputs.names.iter().enumerate().map(|(k, name)| (name.clone(), fit(k))).collect()
 }

@@ -80,7 +80,7 @@ fn steps<'a>(folder: &'a Path, rig: &'a RigParameters) -> [Box<dyn FnOnce() -> R
     let rig_file = Some(file("rig.toml"));
     // Friction in the data would bend the model, and the loop would tremble: see the book, Measurements.
     let record = cli::Record { rig: rig_file, linear: true, out: file("recording.csv"), ..defaults(&[]) };
-    let block_rows = BLOCK_ROWS;
+    let block_rows = vec![BLOCK_ROWS];
     let identify: cli::Identify = defaults(&["recording.csv"]);
     let identify = cli::Identify { recording: file("recording.csv"), block_rows, out: file("model.toml"), ..identify };
     [

@@ -50,6 +50,14 @@ impl<'a> Channels<'a> {
         Channels { channels: self.channels.iter().map(from).collect(), samples: range.len() }
     }
 
+    /// Channels of which the first ones come as many samples later as `delays` says; the first samples, which then lack one, fall away.
+    pub fn later(&self, delays: &[usize]) -> Channels<'a> {
+        let longest = delays.iter().copied().max().unwrap_or(0).min(self.samples);
+        let start = |c: usize| longest - delays.get(c).copied().unwrap_or(0).min(longest);
+        let from = |(c, &(data, stride)): (usize, &(&'a [f64], usize))| (data.get(start(c) * stride..).unwrap_or(&[]), stride);
+        Channels { channels: self.channels.iter().enumerate().map(from).collect(), samples: self.samples - longest }
+    }
+
     /// The channels from this one on.
     pub fn from(&self, first: usize) -> Channels<'a> {
         Channels { channels: self.channels[first..].to_vec(), samples: self.samples }

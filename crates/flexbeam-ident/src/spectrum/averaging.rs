@@ -60,8 +60,8 @@ impl Detection {
 /// or fewer than two periods left; [`Error::NotExciting`] for a constant input.
 /// Source: Pintelon and Schoukens 2012, sections 2.5, 4.3.1 and 10.3 (sample means and variances; odd and even detection lines).
 pub fn averaged(inputs: &Signals, outputs: &Signals, period: usize, run_in: usize) -> Result<Averaged, Error> {
-    crate::identify::expect_together(inputs, outputs)?;
-    crate::identify::expect_finite(inputs, outputs)?;
+    crate::checks::expect_together(inputs, outputs)?;
+    crate::checks::expect_finite(inputs, outputs)?;
     let setting = |setting, found: usize, needed| Err(Error::Setting { setting, found: found as f64, needed });
     if inputs.channels() != 1 {
         return setting("the number of inputs of a periodic excitation", inputs.channels(), "1");

@@ -61,8 +61,8 @@ fn independent(pieces: usize) -> f64 {
 /// Numerics: Hann window, a straight line removed of each piece, so that an output that integrates does not leak.
 /// Source: Bendat and Piersol 2010, chapters 6, 7 and 9; Pintelon and Schoukens 2012, section 2.6.
 pub fn h1(inputs: &Signals, outputs: &Signals, segments: Segments) -> Result<Measured, Error> {
-    crate::identify::expect_together(inputs, outputs)?;
-    crate::identify::expect_finite(inputs, outputs)?;
+    crate::checks::expect_together(inputs, outputs)?;
+    crate::checks::expect_finite(inputs, outputs)?;
     let starts = segments.starts(inputs.samples());
     let m = inputs.channels();
     if segments.samples < FEWEST {

@@ -23,7 +23,10 @@ fn hint(error: &Error) -> &'static str {
     match error {
         Error::Setting { .. } => "flexbeam identify --help lists the settings with their defaults",
         Error::Order { .. } => "a smaller --order, more --block-rows, or --order auto",
-        Error::NoState => "are these the right --inputs and --outputs? flexbeam show tells what the columns hold",
+        Error::NoState => {
+            "are these the right --inputs and --outputs? flexbeam show tells what the columns hold; a proportional controller \
+             without external excitation leaves no state either"
+        }
         Error::NotSettled { .. } => "the recording is hardly a flexible link's; compare the fits of other orders",
         _ => "flexbeam show tells what the recording holds",
     }
