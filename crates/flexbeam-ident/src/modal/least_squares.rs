@@ -4,7 +4,7 @@
 
 use flexbeam_lti::{C64, Mat, Vector};
 
-use super::block::{BLOCK, Block, Filter};
+use super::block::{BLOCK, Block, Filter, Filters};
 use super::modes::Modes;
 use crate::columns::Columns;
 use crate::correlation::Channels;
@@ -19,7 +19,7 @@ const FADED: f64 = 1e-40;
 const MOST_PRODUCTS: usize = 800;
 /// Blocks that always count: what fades fades there.
 const FIRST_BLOCKS: usize = 4;
-/// The solution is refined until the next step is below a hundredth of a standard error,
+/// The solution is refined until the next step would be below a hundredth of a standard error,
 const STEP: f64 = 1e-4;
 /// or moves the output by less than its own rounding.
 const ROUNDING: f64 = 2.0 * f64::EPSILON;
@@ -105,19 +105,21 @@ impl Problem<'_> {
                 return Some(self.fit(&modes, shape, &theta, missed, moved));
             }
         }
-        let mut last = f64::INFINITY;
+        let mut last = 0.0;
         for _ in 0..MOST_STEPS {
             let rest = responses.residual(&theta, &means);
             let step = equations.step(&rest.gradient);
             let gain = rest.gradient.dot(&step).max(0.0);
             theta += step;
-            if gain <= tolerance(rest.missed.iter().sum()) {
+            // What the next step would gain, if it shrinks as this one did.
+            let next = if last > 0.0 { gain * (gain / last).min(1.0) } else { gain };
+            if next <= tolerance(rest.missed.iter().sum()) {
                 let total: f64 = rest.missed.iter().sum();
                 let left = if total > 0.0 { (1.0 - gain / total).max(0.0) } else { 1.0 };
                 let missed = rest.missed.iter().map(|x| x * left).collect();
                 return Some(self.fit(&modes, shape, &theta, missed, rest.moved));
             }
-            if !(gain < 0.25 * last) {
+            if last > 0.0 && gain >= 0.25 * last {
                 return None;
             }
             last = gain;
@@ -335,35 +337,38 @@ impl Responses<'_> {
         let mut states = vec![C64::new(0.0, 0.0); self.modes.poles.len() * (1 + m)];
         states[..self.modes.poles.len()].fill(C64::new(1.0, 0.0));
         let mut raw = [0.0; BLOCK];
+        let nothing = [0.0; BLOCK];
         for (index, first) in (0..samples).step_by(BLOCK).enumerate() {
             let count = BLOCK.min(samples - first);
             let recorded = (0..m).map(|c| (c, shape.u(c))).chain((0..l).map(|p| (m + p, shape.y(p))));
             for (channel, column) in recorded {
                 problem.channels.copy(channel, first, problem.mean[channel], &mut raw[..count]);
-                let by = problem.scale[channel];
-                raw[..count].iter_mut().for_each(|x| *x /= by);
+                let by = problem.scale[channel].recip();
+                raw[..count].iter_mut().for_each(|x| *x *= by);
                 block.set(column, &raw[..count]);
             }
             block.set(shape.ones(), &[1.0; BLOCK][..count]);
             let (responses, recorded) = block.columns.split_at_mut(n * (1 + m) * BLOCK);
-            let mut column = 0;
+            let poles = &self.modes.poles;
+            let mut filters = Vec::with_capacity(states.len());
+            let (mut column, mut rest) = (0, responses);
             for (k, state) in states.iter_mut().enumerate() {
-                let z = self.modes.poles[k % self.modes.poles.len()];
-                let family = k / self.modes.poles.len();
+                let (z, family) = (poles[k % poles.len()], k / poles.len());
                 let width = if z.im > 0.0 { 2 } else { 1 };
-                let (re, im) = responses[column * BLOCK..(column + width) * BLOCK].split_at_mut(BLOCK);
+                let (columns, after) = rest.split_at_mut(width * BLOCK);
+                rest = after;
                 let faded = family == 0 && state.norm() < FADED;
-                if faded {
-                    re.fill(0.0);
-                    im.fill(0.0);
-                    *state = C64::new(0.0, 0.0);
-                } else {
-                    let u = (family > 0).then(|| &recorded[(family - 1) * BLOCK..family * BLOCK]);
-                    *state = on_widest(Filter { z, state: *state, u, re, im: (width == 2).then_some(im) });
-                }
                 alive[column..column + width].fill(!faded);
                 column += width;
+                if faded {
+                    columns.fill(0.0);
+                    continue;
+                }
+                let u = if family == 0 { &nothing[..] } else { &recorded[(family - 1) * BLOCK..family * BLOCK] };
+                let (re, im) = columns.split_at_mut(BLOCK);
+                filters.push(Filter { z, state, u, re, im: (width == 2).then_some(im) });
             }
+            on_widest(Filters(&mut filters));
             if count < BLOCK {
                 block.cut(n * (1 + m), count);
             }
