@@ -75,6 +75,8 @@ pub struct Options {
     /// Append a row of ones to the Hankel matrices: each Hankel row loses its own offset, which a drifting record likes. It
     /// acts on A and C only; B, D and x(0) see the offset that is left. Default false.
     pub constant_row: bool,
+    /// Threads that share the work; 0, the default, takes as many as the machine has. The model does not depend on their number.
+    pub threads: usize,
 }
 
 impl Default for Options {
@@ -86,6 +88,16 @@ impl Default for Options {
             estimate: 0.5,
             remove_mean: false,
             constant_row: false,
+            threads: 0,
+        }
+    }
+}
+
+impl Options {
+    fn threads(&self) -> usize {
+        match self.threads {
+            0 => std::thread::available_parallelism().map_or(1, |threads| threads.get()),
+            threads => threads,
         }
     }
 }
@@ -130,15 +142,16 @@ pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Resul
     let (m, l, i) = (inputs.channels(), outputs.channels(), options.block_rows);
     let s = estimation_samples(inputs.samples(), options)?;
     expect_samples("estimation", s, samples_needed(i, m, l), i)?;
+    let threads = options.threads();
     let all = Channels::of_rows(&inputs.data).beside(Channels::of_rows(&outputs.data));
     let mut record = Record::new(m + l, i);
-    record.absorb(&all.part(0..s), 1).map_err(|bad| not_finite(inputs, outputs, bad))?;
+    record.absorb(&all.part(0..s), threads).map_err(|bad| not_finite(inputs, outputs, bad))?;
     let rest = s..all.samples();
     if let Some(bad) = all.part(rest.clone()).not_finite() {
         return Err(not_finite(inputs, outputs, NotFinite { sample: s + bad.sample, ..bad }));
     }
     let (scaling, gram) = Scaling::of(record.finish(), options.remove_mean);
-    let samples = |range| Samples { channels: all.part(range), scaling: &scaling, m };
+    let samples = |range| Samples { channels: all.part(range), scaling: &scaling, m, threads };
 
     let factor = Factor::of_gram(&gram, m, &scaling.scale, options.constant_row); // (8), (9)
     factor.expect_exciting()?;

@@ -46,6 +46,7 @@ pub mod physical;
 mod projection;
 mod samples;
 mod scaling;
+mod shares;
 mod singular;
 pub mod structured;
 mod subspace;

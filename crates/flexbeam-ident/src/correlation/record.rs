@@ -8,6 +8,7 @@ use super::gram::{Ends, Gram};
 use super::kernel::{LANES, PIECE, lagged_products};
 use super::rounding::{BIAS, FRACTION, LEAST_EXPONENT, exponent, fraction, quantised};
 use crate::double::{Double, power_of_two};
+use crate::shares::{each, shared};
 
 /// Left samples whose integer sums are turned into double-doubles together: 2^24 products of at most 2^102 stay within an i128.
 const MOST_SAMPLES: usize = 1 << 24;
@@ -186,14 +187,14 @@ impl Record {
         let largest = |b: usize| -> Vec<f64> {
             (0..c).map(|a| view.largest(a, b * block..samples.min((b + 1) * block))).collect()
         };
-        let largest = shared(0..blocks, threads, |range| range.map(largest).collect::<Vec<_>>());
+        let largest = each(0..blocks, threads, largest);
         let mut running = self.exponents.clone();
         let mut next = |largest: Vec<f64>| {
             let all = largest.iter().all(|x| x.is_finite());
             running.iter_mut().zip(largest).for_each(|(e, x)| *e = if all { exponent(x).max(*e) } else { *e });
             all.then(|| running.clone())
         };
-        largest.into_iter().flatten().map(&mut next).collect()
+        largest.into_iter().map(&mut next).collect()
     }
 
     /// Adds the left samples of the first `blocks` blocks of the view, those of the record before `end` only.
@@ -367,26 +368,6 @@ impl Worker<'_> {
             self.sums.firsts[b] += firsts[b] - n * bias;
         }
     }
-}
-
-/// `part` of each thread's share of a range, in the range's order.
-fn shared<T: Send>(
-    range: std::ops::Range<usize>,
-    threads: usize,
-    part: impl Fn(std::ops::Range<usize>) -> T + Sync,
-) -> Vec<T> {
-    let shares = threads.min(range.len()).max(1);
-    let share = |k: usize| range.start + range.len() * k / shares..range.start + range.len() * (k + 1) / shares;
-    if shares == 1 {
-        return vec![part(range)];
-    }
-    let part = &part;
-    std::thread::scope(|scope| {
-        let others: Vec<_> = (1..shares).map(|k| scope.spawn(move || part(share(k)))).collect();
-        let first = part(share(0));
-        let join = |other: std::thread::ScopedJoinHandle<T>| other.join().expect("a share does not panic");
-        std::iter::once(first).chain(others.into_iter().map(join)).collect()
-    })
 }
 
 #[cfg(test)]
