@@ -2,7 +2,7 @@
 
 use flexbeam_lti::{Mat, Signals, StateSpace, Time, Vector, sampling};
 
-use crate::correlation::{Channels, NotFinite, Record};
+use crate::correlation::{Channels, NotFinite, gram_of};
 use crate::hankel::factor::{Factor, samples_needed};
 use crate::projection::{Directions, directions};
 use crate::samples::{Fitted, Samples};
@@ -144,13 +144,12 @@ pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Resul
     expect_samples("estimation", s, samples_needed(i, m, l), i)?;
     let threads = options.threads();
     let all = Channels::of_rows(&inputs.data).beside(Channels::of_rows(&outputs.data));
-    let mut record = Record::new(m + l, i);
-    record.absorb(&all.part(0..s), threads).map_err(|bad| not_finite(inputs, outputs, bad))?;
+    let gram = gram_of(&all.part(0..s), i, threads).map_err(|bad| not_finite(inputs, outputs, bad))?;
     let rest = s..all.samples();
     if let Some(bad) = all.part(rest.clone()).not_finite() {
         return Err(not_finite(inputs, outputs, NotFinite { sample: s + bad.sample, ..bad }));
     }
-    let (scaling, gram) = Scaling::of(record.finish(), options.remove_mean);
+    let (scaling, gram) = Scaling::of(gram, options.remove_mean);
     let samples = |range| Samples { channels: all.part(range), scaling: &scaling, m, threads };
 
     let factor = Factor::of_gram(&gram, m, &scaling.scale, options.constant_row); // (8), (9)

@@ -51,7 +51,7 @@ pub(super) struct Sums<T> {
 }
 
 impl<T: Clone + Default> Sums<T> {
-    fn zero(channels: usize, lags: usize) -> Sums<T> {
+    pub fn zero(channels: usize, lags: usize) -> Sums<T> {
         Sums { products: vec![T::default(); lags * channels * channels], firsts: vec![T::default(); channels] }
     }
 }
