@@ -38,7 +38,7 @@ pub enum Method {
 }
 
 impl Method {
-    fn weighting(self) -> Weighting {
+    pub(crate) fn weighting(self) -> Weighting {
         match self {
             Method::Paper | Method::N4sid => Weighting::N4sid,
             Method::Auto | Method::Moesp => Weighting::Moesp,
@@ -94,7 +94,7 @@ impl Default for Options {
 }
 
 impl Options {
-    fn threads(&self) -> usize {
+    pub(crate) fn threads(&self) -> usize {
         match self.threads {
             0 => std::thread::available_parallelism().map_or(1, |threads| threads.get()),
             threads => threads,
@@ -198,7 +198,7 @@ fn system(
 }
 
 /// The model between the channels as recorded: B / u, y C, y D / u with the channels' scales.
-fn unscaled(model: &StateSpace, inputs: &Scaling, outputs: &Scaling) -> Result<StateSpace, Error> {
+pub(crate) fn unscaled(model: &StateSpace, inputs: &Scaling, outputs: &Scaling) -> Result<StateSpace, Error> {
     let StateSpace { A, mut B, mut C, mut D, time } = model.clone();
     for (c, u) in inputs.scale.iter().enumerate() {
         B.column_mut(c).unscale_mut(*u);
@@ -211,7 +211,7 @@ fn unscaled(model: &StateSpace, inputs: &Scaling, outputs: &Scaling) -> Result<S
     Ok(StateSpace::new(A, B, C, D, time)?)
 }
 
-fn chosen_order(factor: &Factor, directions: &Directions, options: &Options) -> Result<usize, Error> {
+pub(crate) fn chosen_order(factor: &Factor, directions: &Directions, options: &Options) -> Result<usize, Error> {
     let rank = order::rank(&directions.singular_values);
     if rank == 0 {
         return Err(Error::NoState);
@@ -252,12 +252,7 @@ fn check(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<(), E
     if axes[0].common(axes[1]).is_err() {
         return Err(Error::Period { input_s, output_s });
     }
-    if options.block_rows < 2 {
-        return setting("block_rows", options.block_rows as f64, "at least 2");
-    }
-    if options.order == Order::Fixed(0) {
-        return setting("order", 0.0, "at least 1");
-    }
+    expect_structure(options)?;
     if !(options.estimate > 0.0 && options.estimate <= 1.0) {
         return setting("estimate", options.estimate, "more than 0 and at most 1");
     }
@@ -269,6 +264,18 @@ fn not_finite(inputs: &Signals, outputs: &Signals, bad: NotFinite) -> Error {
     let (signals, row) = if bad.channel < m { (inputs, bad.channel) } else { (outputs, bad.channel - m) };
     let value = signals.data[(row, bad.sample)];
     Error::NotFinite { channel: signals.names[row].clone(), sample: bad.sample, value }
+}
+
+/// Errors: settings that have no meaning whatever the recording.
+pub(crate) fn expect_structure(options: &Options) -> Result<(), Error> {
+    let setting = |setting, found, needed| Err(Error::Setting { setting, found, needed });
+    if options.block_rows < 2 {
+        return setting("block_rows", options.block_rows as f64, "at least 2");
+    }
+    if options.order == Order::Fixed(0) {
+        return setting("order", 0.0, "at least 1");
+    }
+    Ok(())
 }
 
 /// Whole samples of the estimating part.
