@@ -13,6 +13,8 @@ mod record;
 mod rounding;
 
 pub(crate) use channels::{Channels, NotFinite};
+#[cfg(test)]
+pub(crate) use fast::fast_gram;
 pub(crate) use gram::Gram;
 
 pub(crate) use record::Record;

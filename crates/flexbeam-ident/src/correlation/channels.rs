@@ -77,6 +77,12 @@ impl<'a> Channels<'a> {
         }
     }
 
+    /// Mean of a channel, to the rounding of a plain sum.
+    pub fn mean(&self, channel: usize) -> f64 {
+        let (data, stride) = self.channels[channel];
+        data.iter().step_by(stride.max(1)).take(self.samples).sum::<f64>() / self.samples as f64
+    }
+
     /// The first sample that is not finite.
     pub fn not_finite(&self) -> Option<NotFinite> {
         if (0..self.count()).all(|c| self.largest(c, 0..self.samples, 0.0).is_finite()) {
