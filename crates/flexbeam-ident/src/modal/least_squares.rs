@@ -20,7 +20,7 @@ const FADED: f64 = 1e-40;
 const MOST_PRODUCTS: usize = 800;
 /// Samples of a part: whole blocks.
 const PART: usize = 32 * BLOCK;
-/// Blocks of a part that always count: what fades fades there.
+/// Blocks of the record that always count: what fades fades there.
 const FIRST_BLOCKS: usize = 4;
 /// The solution is refined until the next step would be below a hundredth of a standard error,
 const STEP: f64 = 1e-4;
@@ -320,7 +320,7 @@ impl Responses<'_> {
         let mut sums = vec![Double::ZERO; q * q];
         let mut found = vec![0.0; q * q];
         let ends = self.each_block(part, rest, |index, block, alive| {
-            let first = index < FIRST_BLOCKS;
+            let first = part == 0 && index < FIRST_BLOCKS;
             if !first && index % every != 0 {
                 return;
             }
