@@ -71,9 +71,7 @@ pub use mat::{MatVariable, is_mat_name, mat_bytes, mat_name, mat_variables};
 pub use mat_document::{SCRIPT_HEAD, mat_of_controller, mat_of_model};
 pub use matrices::{Matrices, Rows, pairs};
 pub use misfit::Misfit;
-pub use model::{
-    Axis, BoundOrigin, Identification, Innovations, Model, Physical, Refinement, Uncertainty, Validation,
-};
+pub use model::{Axis, BoundOrigin, Identification, Innovations, Model, Physical, Refinement, Uncertainty, Validation};
 pub use note::Note;
 pub use project::{Project, ProjectLimits, ProjectReference, ProjectRun};
 pub use project_file::ProjectFile;
@@ -81,8 +79,8 @@ pub use provenance::{Parent, Provenance, State, Step, trace};
 pub use recording::{FEWEST_ROWS, Layout, PERIOD_TOLERANCE, Recording, write_signals};
 pub use results::{
     ColumnSummary, DesignResult, DistributedBeam, ExportResult, Figure, IdentifyResult, ModeResult, MonteCarlo,
-    NewResult, OrderResult, RationalCoefficients, RecordResult, RecordingSummary, ReferenceModel, RefinedResult, RigTestResult,
-    SampledRadius, ShowResult, SimulateResult, SolvabilityResult, Spread, VerifyResult, json_text,
+    NewResult, OrderResult, RationalCoefficients, RecordResult, RecordingSummary, ReferenceModel, RefinedResult,
+    RigTestResult, SampledRadius, ShowResult, SimulateResult, SolvabilityResult, Spread, VerifyResult, json_text,
 };
 pub use rig::{Rig, RigActuator, RigEncoder, RigFriction, RigGauge, RigLink, RigLumped, RigPhysical, Sees};
 pub use run_file::{

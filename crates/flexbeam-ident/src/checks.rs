@@ -13,9 +13,6 @@ use crate::{Error, Options};
 pub(crate) fn check(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<(), Error> {
     let setting = |setting, found, needed| Err(Error::Setting { setting, found, needed });
     expect_together(inputs, outputs)?;
-    if let Some(few) = [options.block_rows].iter().chain(&options.more_block_rows).find(|&&i| i < 2) {
-        return setting("block_rows", *few as f64, "at least 2");
-    }
     expect_structure(inputs.channels(), outputs.channels(), options)?;
     if !(options.estimate > 0.0 && options.estimate <= 1.0) {
         return setting("estimate", options.estimate, "more than 0 and at most 1");
@@ -23,18 +20,25 @@ pub(crate) fn check(inputs: &Signals, outputs: &Signals, options: &Options) -> R
     Ok(())
 }
 
-/// Errors: an order without a state beside the integrators, more integrators than channels, structure that (13)-(17) do not know.
-pub(crate) fn expect_structure(m: usize, l: usize, options: &Options) -> Result<(), Error> {
+/// Errors: fewer than two block rows, an order without a state beside the integrators.
+pub(crate) fn expect_order(options: &Options) -> Result<(), Error> {
     let setting = |setting, found: usize, needed| Err(Error::Setting { setting, found: found as f64, needed });
-    match options.order {
-        Order::Fixed(0) => return setting("order", 0, "at least 1"),
-        Order::Fixed(n) if n <= options.integrators => {
-            return setting("order", n, "more than the known integrators");
-        }
-        _ => {}
+    if let Some(few) = [options.block_rows].iter().chain(&options.more_block_rows).find(|&&i| i < 2) {
+        return setting("block_rows", *few, "at least 2");
     }
+    match options.order {
+        Order::Fixed(0) => setting("order", 0, "at least 1"),
+        Order::Fixed(n) if n <= options.integrators => setting("order", n, "more than the known integrators"),
+        _ => Ok(()),
+    }
+}
+
+/// Errors: those of [`expect_order`], an order without a state beside the integrators, more integrators than channels, structure that (13)-(17) do not know.
+pub(crate) fn expect_structure(m: usize, l: usize, options: &Options) -> Result<(), Error> {
+    expect_order(options)?;
     if options.integrators > m.min(l) {
-        return setting("integrators", options.integrators, "at most as many as inputs and as outputs");
+        let (setting, needed) = ("integrators", "at most as many as inputs and as outputs");
+        return Err(Error::Setting { setting, found: options.integrators as f64, needed });
     }
     let known = [
         (options.integrators > 0, "integrators"),

@@ -110,6 +110,12 @@ pub enum Error {
         /// What was asked for.
         structure: &'static str,
     },
+    /// What needs the samples a second time, asked of a recording that is read once.
+    #[error("a recording that is read once has no place for {structure}; hint: a shorter part of it, read whole, has")]
+    Streamed {
+        /// What was asked for.
+        structure: &'static str,
+    },
     /// The outputs do not answer to the inputs or to any state at all.
     #[error("the outputs are constant or do not depend on the past: no state to identify")]
     NoState,

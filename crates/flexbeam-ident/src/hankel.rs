@@ -2,3 +2,5 @@
 
 mod cholesky;
 pub(crate) mod factor;
+#[cfg(test)]
+mod hard_cases;

@@ -110,6 +110,8 @@ pub struct Options {
     pub poles: Poles,
     /// Whole samples that an input takes before anything answers; the model carries them as states with poles at 0. Default none.
     pub delay: Delay,
+    /// Threads that share the work; 0, the default, takes as many as the machine has. The model does not depend on their number.
+    pub threads: usize,
 }
 
 impl Default for Options {
@@ -126,6 +128,16 @@ impl Default for Options {
             feedthrough: Feedthrough::Free,
             poles: Poles::Free,
             delay: Delay::Samples(0),
+            threads: 0,
+        }
+    }
+}
+
+impl Options {
+    pub(crate) fn threads(&self) -> usize {
+        match self.threads {
+            0 => std::thread::available_parallelism().map_or(1, |threads| threads.get()),
+            threads => threads,
         }
     }
 }

@@ -8,6 +8,9 @@ pub(crate) const LANES: usize = 8;
 
 /// Eight numbers.
 pub(crate) trait Lanes: Copy {
+    /// Sums of two rows that the registers hold beside what they are made of: 3 or 4.
+    const TILE: usize;
+
     fn splat(x: f64) -> Self;
     /// The first eight of a slice, which has them.
     fn load(from: &[f64]) -> Self;
@@ -58,6 +61,15 @@ pub(crate) fn on_widest<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<Plain>()
 }
 
+/// Whether this processor multiplies and adds in one, without which f64 kernels are slow and round otherwise.
+pub(crate) fn fused() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return is_x86_feature_detected!("avx512f")
+        || (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"));
+    #[cfg(not(target_arch = "x86_64"))]
+    cfg!(target_arch = "aarch64")
+}
+
 /// What every processor has.
 #[derive(Clone, Copy)]
 pub(crate) struct Plain([f64; LANES]);
@@ -74,6 +86,7 @@ impl Plain {
 }
 
 impl Lanes for Plain {
+    const TILE: usize = 3;
     #[inline(always)]
     fn splat(x: f64) -> Plain {
         Plain([x; LANES])
@@ -143,6 +156,7 @@ mod x86 {
     // SAFETY of every block below: `Wide` exists only within `on_avx512`, which runs only where AVX-512F was found; loads and stores go through slices
     // whose length is checked, and need no alignment.
     impl Lanes for Wide {
+        const TILE: usize = 4;
         #[inline(always)]
         fn splat(x: f64) -> Wide {
             // SAFETY: see above.
@@ -190,6 +204,7 @@ mod x86 {
     // SAFETY of every block below: `Pair` exists only within `on_avx2`, which runs only where AVX2 and FMA were found; loads and stores go through slices
     // whose length is checked, and need no alignment.
     impl Lanes for Pair {
+        const TILE: usize = 3;
         #[inline(always)]
         fn splat(x: f64) -> Pair {
             // SAFETY: see above.

@@ -20,6 +20,8 @@ pub(crate) struct Samples<'a> {
     pub scaling: &'a Scaling,
     /// Inputs m.
     pub m: usize,
+    /// Share the work; nothing depends on their number.
+    pub threads: usize,
 }
 
 /// What is free, and the fit of each output in percent.
@@ -82,7 +84,7 @@ impl<'a> Samples<'a> {
     fn problem<'b>(&'b self, A: &'b Mat, C: &'b Mat, B: Mat, D: Mat) -> Problem<'b> {
         let offset = Vector::zeros(C.nrows());
         let Scaling { mean, scale } = self.scaling;
-        Problem { A, C, B, D, offset, channels: self.channels.clone(), mean, scale }
+        Problem { A, C, B, D, offset, channels: self.channels.clone(), mean, scale, threads: self.threads }
     }
 }
 

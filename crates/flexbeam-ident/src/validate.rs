@@ -62,6 +62,7 @@ fn initial_state(model: &StateSpace, U: &Mat, Y: &Mat) -> Result<Option<Vector>,
         channels,
         mean: &vec![0.0; count],
         scale: &vec![1.0; count],
+        threads: 1,
     };
     if let Some(fit) = problem.solve(Free { B: false, D: false, offset: false }) {
         return Ok(Some(fit.initial_state));

@@ -54,7 +54,8 @@ impl<'a> Channels<'a> {
     pub fn later(&self, delays: &[usize]) -> Channels<'a> {
         let longest = delays.iter().copied().max().unwrap_or(0).min(self.samples);
         let start = |c: usize| longest - delays.get(c).copied().unwrap_or(0).min(longest);
-        let from = |(c, &(data, stride)): (usize, &(&'a [f64], usize))| (data.get(start(c) * stride..).unwrap_or(&[]), stride);
+        let from =
+            |(c, &(data, stride)): (usize, &(&'a [f64], usize))| (data.get(start(c) * stride..).unwrap_or(&[]), stride);
         Channels { channels: self.channels.iter().enumerate().map(from).collect(), samples: self.samples - longest }
     }
 
@@ -87,6 +88,12 @@ impl<'a> Channels<'a> {
             let data = data[first * stride..].iter().step_by(stride);
             target.iter_mut().zip(data).for_each(|(t, x)| *t = x - offset);
         }
+    }
+
+    /// Mean of a channel, to the rounding of a plain sum.
+    pub fn mean(&self, channel: usize) -> f64 {
+        let (data, stride) = self.channels[channel];
+        data.iter().step_by(stride.max(1)).take(self.samples).sum::<f64>() / self.samples as f64
     }
 
     /// The first sample that is not finite.

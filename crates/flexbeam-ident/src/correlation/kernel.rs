@@ -8,7 +8,7 @@ pub(crate) const PIECE: usize = 1024;
 /// Lanes of the widest vector unit; stretches are padded with zeros to a multiple of it.
 pub(crate) const LANES: usize = 8;
 /// Lags that one pass over the samples serves.
-const TILE: usize = 2;
+const TILE: usize = 4;
 
 /// found\[a\]\[d\] = sum over k of left\[a\]\[k\] right\[k + d\] for d below `lags`.
 ///
@@ -65,15 +65,15 @@ mod x86 {
         for (pair, sums) in left.chunks(2).zip(found.chunks_mut(2 * lags)) {
             let mut d = 0;
             while d < lags {
-                let wide = lags - d >= TILE;
+                let wide = if lags - d >= TILE { TILE } else { 1 };
                 match (pair, wide) {
-                    ([a, b], true) => store(tile::<2, TILE>([a, b], &right[d..]), lags, d, sums),
-                    ([a, b], false) => store(tile::<2, 1>([a, b], &right[d..]), lags, d, sums),
-                    ([a], true) => store(tile::<1, TILE>([a], &right[d..]), lags, d, sums),
-                    ([a], false) => store(tile::<1, 1>([a], &right[d..]), lags, d, sums),
+                    ([a, b], TILE) => store(tile::<2, TILE>([a, b], &right[d..]), lags, d, sums),
+                    ([a, b], _) => store(tile::<2, 1>([a, b], &right[d..]), lags, d, sums),
+                    ([a], TILE) => store(tile::<1, TILE>([a], &right[d..]), lags, d, sums),
+                    ([a], _) => store(tile::<1, 1>([a], &right[d..]), lags, d, sums),
                     _ => unreachable!("chunks of two"),
                 }
-                d += if wide { TILE } else { 1 };
+                d += wide;
             }
         }
     }

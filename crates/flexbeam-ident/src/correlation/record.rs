@@ -8,17 +8,18 @@ use super::gram::{Ends, Gram};
 use super::kernel::{LANES, PIECE, lagged_products};
 use super::rounding::{BIAS, FRACTION, LEAST_EXPONENT, exponent, fraction, quantised};
 use crate::double::{Double, power_of_two};
+use crate::shares::{each, shared};
 
 /// Left samples whose integer sums are turned into double-doubles together: 2^24 products of at most 2^102 stay within an i128.
 const MOST_SAMPLES: usize = 1 << 24;
 /// Samples that are judged and summed up in one go, for each thread: they stay in a second-level cache in between.
 const PART: usize = 1 << 15;
-/// A first sample beyond this is not subtracted: the difference of two samples could overflow.
-const LARGEST_OFFSET: f64 = 1e300;
+/// A channel that stands this far from zero, against how far it moves in its first block, loses its first sample.
+const STANDS_OFF: f64 = 8.0;
 
 /// Sums over the left samples 2i - 1 <= k of z(k) z(k+d)' for d = 0..2i-1, and what the ends of the record need.
 ///
-/// Numerics: each channel loses its first sample, then is rounded once, to 2^-52 of the power of two above the largest sample so far, judged in blocks that are
+/// Numerics: a channel that stands far off zero loses its first sample; then it is rounded once, to 2^-52 of the power of two above the largest sample so far, judged in blocks that are
 /// counted from the record's start. The sums are those of the rounded record without further error up to 2^-104 of the sum of magnitudes for each time that
 /// the largest doubles. Chunks and threads do not change a bit.
 pub(crate) struct Record {
@@ -26,7 +27,7 @@ pub(crate) struct Record {
     i: usize,
     /// Samples of a block: more than both ends of the record together.
     block: usize,
-    /// The first sample, which every sample loses.
+    /// What every sample loses: the first sample of channels that move little beside it, zero of others. Empty until the first block is whole.
     offset: Vec<f64>,
     /// Of each channel: |sample - offset| < 2^exponent so far.
     exponents: Vec<i32>,
@@ -34,7 +35,7 @@ pub(crate) struct Record {
     open: Sums<i128>,
     /// Sums before it, in units of the exponents.
     closed: Sums<Double>,
-    /// Samples that later samples are still to be multiplied with, less the offset, from block `done` on.
+    /// Samples that later samples are still to be multiplied with, from block `done` on.
     kept: Vec<Vec<f64>>,
     /// Blocks that are summed up.
     done: usize,
@@ -50,7 +51,7 @@ pub(super) struct Sums<T> {
 }
 
 impl<T: Clone + Default> Sums<T> {
-    fn zero(channels: usize, lags: usize) -> Sums<T> {
+    pub fn zero(channels: usize, lags: usize) -> Sums<T> {
         Sums { products: vec![T::default(); lags * channels * channels], firsts: vec![T::default(); channels] }
     }
 }
@@ -79,16 +80,17 @@ impl View<'_> {
         let kept = &self.kept[channel];
         let old = kept.len().saturating_sub(first).min(target.len());
         let (from_kept, from_chunk) = target.split_at_mut(old);
-        from_kept.copy_from_slice(&kept[first.min(kept.len())..][..old]);
-        self.chunk.copy(channel, (first + old).saturating_sub(kept.len()), self.offset[channel], from_chunk);
+        let offset = self.offset[channel];
+        from_kept.iter_mut().zip(&kept[first.min(kept.len())..]).for_each(|(t, x)| *t = x - offset);
+        self.chunk.copy(channel, (first + old).saturating_sub(kept.len()), offset, from_chunk);
     }
 
-    fn largest(&self, channel: usize, range: std::ops::Range<usize>) -> f64 {
+    fn largest(&self, channel: usize, range: std::ops::Range<usize>, offset: f64) -> f64 {
         let kept = self.kept[channel].len();
         let old = self.kept[channel][range.start.min(kept)..range.end.min(kept)].iter();
         let new = range.start.max(kept) - kept..range.end.max(kept) - kept;
-        let new = self.chunk.largest(channel, new, self.offset[channel]);
-        old.fold(0.0, |most: f64, x| most.max(x.abs())).max(new) + new * 0.0
+        let new = self.chunk.largest(channel, new, offset);
+        old.fold(0.0, |most: f64, x| most.max((x - offset).abs())).max(new) + new * 0.0
     }
 }
 
@@ -129,12 +131,10 @@ impl Record {
     }
 
     fn absorb_part(&mut self, chunk: &Channels, threads: usize) -> Result<(), NotFinite> {
-        if self.samples() == 0 {
-            let first = (0..chunk.count()).map(|c| chunk.at(c, 0));
-            self.offset = first.map(|x| if x.abs() < LARGEST_OFFSET { x } else { 0.0 }).collect();
-        }
         let kept = std::mem::replace(&mut self.kept, vec![Vec::new(); chunk.count()]);
-        let offset = self.offset.clone();
+        let nothing = vec![0.0; chunk.count()];
+        self.settle_offset(&View { kept: &kept, chunk, offset: &nothing }, self.block);
+        let offset = if self.offset.is_empty() { nothing } else { self.offset.clone() };
         let view = View { kept: &kept, chunk, offset: &offset };
         let whole = view.samples() / self.block;
         let judged = (whole * self.block).saturating_sub(kept[0].len()).min(chunk.samples());
@@ -147,10 +147,11 @@ impl Record {
         let blocks = whole.saturating_sub(1);
         self.sum_up(&view, &exponents, blocks, usize::MAX, threads);
         let rest = view.samples() - blocks * self.block;
+        let raw = View { offset: &vec![0.0; chunk.count()], ..view };
         self.kept = (0..chunk.count())
             .map(|c| {
                 let mut samples = vec![0.0; rest];
-                view.copy(c, blocks * self.block, &mut samples);
+                raw.copy(c, blocks * self.block, &mut samples);
                 samples
             })
             .collect();
@@ -158,15 +159,30 @@ impl Record {
         Ok(())
     }
 
+    /// Decides what the samples lose, once the first `needed` samples are there.
+    fn settle_offset(&mut self, view: &View, needed: usize) {
+        if !self.offset.is_empty() || view.samples() < needed {
+            return;
+        }
+        let settle = |channel: usize| {
+            let mut first = [0.0];
+            if needed > 0 {
+                view.copy(channel, 0, &mut first);
+            }
+            let moves = view.largest(channel, 0..needed, first[0]);
+            if first[0].abs() > STANDS_OFF * moves { first[0] } else { 0.0 }
+        };
+        self.offset = (0..view.kept.len()).map(settle).collect();
+    }
+
     /// H H' of the whole record.
     pub fn finish(mut self) -> Gram {
         let (c, i, s) = (self.kept.len(), self.i, self.samples());
-        if self.offset.is_empty() {
-            self.offset = vec![0.0; c];
-        }
         let kept = std::mem::take(&mut self.kept);
         let nothing = flexbeam_lti::Mat::zeros(c, 0);
-        let (nothing, offset) = (Channels::of_rows(&nothing), self.offset.clone());
+        let nothing = Channels::of_rows(&nothing);
+        self.settle_offset(&View { kept: &kept, chunk: &nothing, offset: &vec![0.0; c] }, s.min(self.block));
+        let offset = self.offset.clone();
         let view = View { kept: &kept, chunk: &nothing, offset: &offset };
         let blocks = view.samples().div_ceil(self.block);
         let exponents = self.block_exponents(&view, blocks, 1).expect("kept samples are finite");
@@ -184,16 +200,16 @@ impl Record {
     fn block_exponents(&self, view: &View, blocks: usize, threads: usize) -> Option<Vec<Vec<i32>>> {
         let (c, block, samples) = (self.exponents.len(), self.block, view.samples());
         let largest = |b: usize| -> Vec<f64> {
-            (0..c).map(|a| view.largest(a, b * block..samples.min((b + 1) * block))).collect()
+            (0..c).map(|a| view.largest(a, b * block..samples.min((b + 1) * block), view.offset[a])).collect()
         };
-        let largest = shared(0..blocks, threads, |range| range.map(largest).collect::<Vec<_>>());
+        let largest = each(0..blocks, threads, largest);
         let mut running = self.exponents.clone();
         let mut next = |largest: Vec<f64>| {
             let all = largest.iter().all(|x| x.is_finite());
             running.iter_mut().zip(largest).for_each(|(e, x)| *e = if all { exponent(x).max(*e) } else { *e });
             all.then(|| running.clone())
         };
-        largest.into_iter().flatten().map(&mut next).collect()
+        largest.into_iter().map(&mut next).collect()
     }
 
     /// Adds the left samples of the first `blocks` blocks of the view, those of the record before `end` only.
@@ -369,26 +385,6 @@ impl Worker<'_> {
     }
 }
 
-/// `part` of each thread's share of a range, in the range's order.
-fn shared<T: Send>(
-    range: std::ops::Range<usize>,
-    threads: usize,
-    part: impl Fn(std::ops::Range<usize>) -> T + Sync,
-) -> Vec<T> {
-    let shares = threads.min(range.len()).max(1);
-    let share = |k: usize| range.start + range.len() * k / shares..range.start + range.len() * (k + 1) / shares;
-    if shares == 1 {
-        return vec![part(range)];
-    }
-    let part = &part;
-    std::thread::scope(|scope| {
-        let others: Vec<_> = (1..shares).map(|k| scope.spawn(move || part(share(k)))).collect();
-        let first = part(share(0));
-        let join = |other: std::thread::ScopedJoinHandle<T>| other.join().expect("a share does not panic");
-        std::iter::once(first).chain(others.into_iter().map(join)).collect()
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -561,5 +557,10 @@ mod tests {
         let mut data = samples(2000).columns(0, 1).into_owned();
         (data[0], data[1]) = (f64::MAX, -f64::MAX);
         assert!(gram(&data, 3, &[], 1).product(0, 0).value().is_finite());
+        // Zeros stay zeros, whatever the first sample.
+        (data[0], data[1]) = (0.1, 0.0);
+        data.rows_mut(2, 1998).fill(0.0);
+        let impulse = gram(&data, 3, &[], 1);
+        assert_eq!((impulse.product(1, 1), impulse.product(0, 1)), (Double::ZERO, Double::ZERO));
     }
 }

@@ -4,12 +4,13 @@
 
 use flexbeam_lti::{C64, Mat, Vector};
 
-use super::block::{BLOCK, Block, Filter};
+use super::block::{BLOCK, Block, Filter, Filters};
 use super::modes::Modes;
 use crate::columns::Columns;
 use crate::correlation::Channels;
 use crate::double::Double;
 use crate::lanes::on_widest;
+use crate::shares::each;
 
 /// How far a mode may grow within the record: beyond this, what earlier samples say drowns.
 const LARGEST_GROWTH: f64 = 1e6;
@@ -17,9 +18,11 @@ const LARGEST_GROWTH: f64 = 1e6;
 const FADED: f64 = 1e-40;
 /// Products a sample that the normal matrix may cost; with more columns it comes from every so-many-th block.
 const MOST_PRODUCTS: usize = 800;
-/// Blocks that always count: what fades fades there.
+/// Samples of a part: whole blocks.
+const PART: usize = 32 * BLOCK;
+/// Blocks of the record that always count: what fades fades there.
 const FIRST_BLOCKS: usize = 4;
-/// The solution is refined until the next step is below a hundredth of a standard error,
+/// The solution is refined until the next step would be below a hundredth of a standard error,
 const STEP: f64 = 1e-4;
 /// or moves the output by less than its own rounding.
 const ROUNDING: f64 = 2.0 * f64::EPSILON;
@@ -47,6 +50,8 @@ pub(crate) struct Problem<'a> {
     pub channels: Channels<'a>,
     pub mean: &'a [f64],
     pub scale: &'a [f64],
+    /// Share the work; the solution does not depend on their number.
+    pub threads: usize,
 }
 
 /// The solution, and squares over all samples for each output.
@@ -81,8 +86,8 @@ impl Problem<'_> {
         let maps: Vec<Mat> = (0..shape.l).map(|p| shape.map(&modes, &(self.C * &modes.V), p)).collect();
         let mut theta = shape.joined(&basis.solve(&self.B)?, &self.D, &self.offset);
         let open = shape.open(free);
-        let mut responses = Responses { problem: self, modes: &modes, shape, maps: &maps };
-        let (S, every) = responses.gram();
+        let mut responses = Responses { problem: self, modes: &modes, shape, maps: &maps, starts: Vec::new() };
+        let (S, every) = responses.gram(self.threads);
         let equations = Equations::new(&S, &maps, &open, shape)?;
         let square: f64 = (0..shape.l).map(|p| S[(shape.y(p), shape.y(p))]).sum();
         let exact = every == 1;
@@ -105,19 +110,21 @@ impl Problem<'_> {
                 return Some(self.fit(&modes, shape, &theta, missed, moved));
             }
         }
-        let mut last = f64::INFINITY;
+        let mut last = 0.0;
         for _ in 0..MOST_STEPS {
-            let rest = responses.residual(&theta, &means);
+            let rest = responses.residual(&theta, &means, self.threads);
             let step = equations.step(&rest.gradient);
             let gain = rest.gradient.dot(&step).max(0.0);
             theta += step;
-            if gain <= tolerance(rest.missed.iter().sum()) {
+            // What the next step would gain, if it shrinks as this one did.
+            let next = if last > 0.0 { gain * (gain / last).min(1.0) } else { gain };
+            if next <= tolerance(rest.missed.iter().sum()) {
                 let total: f64 = rest.missed.iter().sum();
                 let left = if total > 0.0 { (1.0 - gain / total).max(0.0) } else { 1.0 };
                 let missed = rest.missed.iter().map(|x| x * left).collect();
                 return Some(self.fit(&modes, shape, &theta, missed, rest.moved));
             }
-            if !(gain < 0.25 * last) {
+            if last > 0.0 && gain >= 0.25 * last {
                 return None;
             }
             last = gain;
@@ -256,12 +263,14 @@ impl Equations {
     }
 }
 
-/// Passes over the recording.
+/// Passes over the recording, in parts of fixed length that do not depend on the number of threads.
 struct Responses<'a> {
     problem: &'a Problem<'a>,
     modes: &'a Modes,
     shape: Shape,
     maps: &'a [Mat],
+    /// States at the start of each part: those of x(0), which start at one, then each input's. Known after the first pass.
+    starts: Vec<Vec<C64>>,
 }
 
 struct Residual {
@@ -270,17 +279,48 @@ struct Residual {
     moved: Vec<f64>,
 }
 
+/// Sums over one part.
+struct Sums {
+    /// Column by column of each output's residual.
+    along: Vec<Vec<Double>>,
+    missed: Vec<Double>,
+    moved: Vec<Double>,
+}
+
 impl Responses<'_> {
     /// Gram matrix of all columns, from every so-many-th block, and how many that is.
-    fn gram(&mut self) -> (Mat, usize) {
+    ///
+    /// Each part starts from rest; what the true start adds is a combination of its decaying columns, which are there anyway.
+    fn gram(&mut self, threads: usize) -> (Mat, usize) {
         let q = self.shape.columns();
         let every = (q * q / 2).div_ceil(MOST_PRODUCTS);
-        let blocks = self.problem.channels.samples().div_ceil(BLOCK);
-        let every = if blocks < 4 * every { 1 } else { every };
+        let every = if self.problem.channels.samples() < 4 * every * BLOCK { 1 } else { every };
+        let poles = self.modes.poles.len();
+        let mut state = vec![C64::new(0.0, 0.0); poles * (1 + self.shape.m)];
+        state[..poles].fill(C64::new(1.0, 0.0));
+        let rest = state.clone();
+        let parts = each(0..self.parts(), threads, |part| self.part_gram(part, &rest, every));
+        let mut S = Mat::zeros(q, q);
+        for (local, ends) in parts {
+            let W = self.from_rest(&state);
+            S += W.transpose() * local * W;
+            let next = |k: usize| if k < poles { ends[k] * state[k] } else { ends[k] + ends[k % poles] * state[k] };
+            let next = (0..state.len()).map(next).collect();
+            self.starts.push(std::mem::replace(&mut state, next));
+        }
+        (S, every)
+    }
+
+    fn parts(&self) -> usize {
+        self.problem.channels.samples().div_ceil(PART)
+    }
+
+    fn part_gram(&self, part: usize, rest: &[C64], every: usize) -> (Mat, Vec<C64>) {
+        let q = self.shape.columns();
         let mut sums = vec![Double::ZERO; q * q];
         let mut found = vec![0.0; q * q];
-        self.each_block(|index, block, alive| {
-            let first = index < FIRST_BLOCKS;
+        let ends = self.each_block(part, rest, |index, block, alive| {
+            let first = part == 0 && index < FIRST_BLOCKS;
             if !first && index % every != 0 {
                 return;
             }
@@ -292,82 +332,124 @@ impl Responses<'_> {
                 }
             }
         });
-        (Mat::from_fn(q, q, |r, c| sums[r.min(c) * q + r.max(c)].value()), every)
+        (Mat::from_fn(q, q, |r, c| sums[r.min(c) * q + r.max(c)].value()), ends)
+    }
+
+    /// The columns of a part with these states at its start, as combinations of those that start from rest.
+    fn from_rest(&self, state: &[C64]) -> Mat {
+        let n = self.shape.n;
+        let mut W = Mat::identity(self.shape.columns(), self.shape.columns());
+        let mut column = 0;
+        for (k, w) in state.iter().enumerate() {
+            let z = self.modes.poles[k % self.modes.poles.len()];
+            let decay = column % n;
+            if column < n {
+                W[(column, column)] = 0.0;
+            }
+            W[(decay, column)] += w.re;
+            column += 1;
+            if z.im > 0.0 {
+                if column < n {
+                    W[(column, column)] = 0.0;
+                }
+                // (re + j im) of the decay times w.
+                W[(decay + 1, column - 1)] -= w.im;
+                W[(decay, column)] += w.im;
+                W[(decay + 1, column)] += w.re;
+                column += 1;
+            }
+        }
+        W
     }
 
     /// What a solution misses, and its gradient.
-    fn residual(&mut self, theta: &Vector, means: &[f64]) -> Residual {
-        let (shape, x) = (self.shape, self.shape.x());
+    fn residual(&self, theta: &Vector, means: &[f64], threads: usize) -> Residual {
+        let (l, x) = (self.shape.l, self.shape.x());
         let weights: Vec<Vector> = self.maps.iter().map(|map| map * theta).collect();
-        let mut along = vec![vec![Double::ZERO; x]; shape.l];
-        let (mut missed, mut moved) = (vec![Double::ZERO; shape.l], vec![Double::ZERO; shape.l]);
+        let nothing = || vec![Double::ZERO; l];
+        let mut all = Sums { along: vec![vec![Double::ZERO; x]; l], missed: nothing(), moved: nothing() };
+        for part in each(0..self.parts(), threads, |part| self.part_residual(part, &weights, means)) {
+            for p in 0..l {
+                all.missed[p] += part.missed[p];
+                all.moved[p] += part.moved[p];
+                all.along[p].iter_mut().zip(&part.along[p]).for_each(|(a, b)| *a += *b);
+            }
+        }
+        let along = all.along.iter().map(|along| Vector::from_iterator(x, along.iter().map(|x| x.value())));
+        let gradient = self.maps.iter().zip(along).map(|(map, along)| map.transpose() * along).sum();
+        let values = |sums: Vec<Double>| sums.iter().map(|x| x.value()).collect();
+        Residual { gradient, missed: values(all.missed), moved: values(all.moved) }
+    }
+
+    fn part_residual(&self, part: usize, weights: &[Vector], means: &[f64]) -> Sums {
+        let (shape, l, x) = (self.shape, self.shape.l, self.shape.x());
+        let nothing = || vec![Double::ZERO; l];
+        let mut sums = Sums { along: vec![vec![Double::ZERO; x]; l], missed: nothing(), moved: nothing() };
         let mut rest = vec![0.0; BLOCK];
         let mut found = vec![0.0; x];
-        self.each_block(|_, block, alive| {
-            for p in 0..shape.l {
+        self.each_block(part, &self.starts[part], |_, block, alive| {
+            let explaining = Columns { data: &block.columns, rows: BLOCK, alive: &alive[..x] };
+            for p in 0..l {
                 rest.copy_from_slice(block.column(shape.y(p)));
                 let ones = block.column(shape.ones());
                 let square = |y: (&f64, &f64)| (y.0 - means[p] * y.1).powi(2);
-                moved[p] += Double::new(rest.iter().zip(ones).map(square).sum());
-                let explaining = Columns { data: &block.columns, rows: BLOCK, alive: &alive[..x] };
+                sums.moved[p] += Double::new(rest.iter().zip(ones).map(square).sum());
                 explaining.take_from(weights[p].as_slice(), &mut rest);
-                missed[p] += Double::new(rest.iter().map(|e| e * e).sum());
+                sums.missed[p] += Double::new(rest.iter().map(|e| e * e).sum());
                 explaining.products(&rest, &mut found);
-                (0..x).filter(|c| alive[*c]).for_each(|c| along[p][c] += Double::new(found[c]));
+                (0..x).filter(|c| alive[*c]).for_each(|c| sums.along[p][c] += Double::new(found[c]));
             }
         });
-        let gradient = self
-            .maps
-            .iter()
-            .zip(&along)
-            .map(|(map, along)| map.transpose() * Vector::from_iterator(x, along.iter().map(|x| x.value())));
-        let values = |sums: Vec<Double>| sums.iter().map(|x| x.value()).collect();
-        Residual { gradient: gradient.sum(), missed: values(missed), moved: values(moved) }
+        sums
     }
 
-    /// Shows every block of the record, with the columns that are not zero throughout.
-    fn each_block(&mut self, mut show: impl FnMut(usize, &Block, &[bool])) {
+    /// Shows every block of a part, with the columns that are not zero throughout; returns the states at its end.
+    fn each_block(&self, part: usize, starts: &[C64], mut show: impl FnMut(usize, &Block, &[bool])) -> Vec<C64> {
         let Shape { n, m, l } = self.shape;
         let (problem, shape) = (self.problem, self.shape);
-        let samples = problem.channels.samples();
+        let samples = PART * part..problem.channels.samples().min(PART * (part + 1));
         let mut block = Block::new(shape.columns());
         let mut alive = vec![true; shape.columns()];
-        let mut states = vec![C64::new(0.0, 0.0); self.modes.poles.len() * (1 + m)];
-        states[..self.modes.poles.len()].fill(C64::new(1.0, 0.0));
+        let mut states = starts.to_vec();
         let mut raw = [0.0; BLOCK];
-        for (index, first) in (0..samples).step_by(BLOCK).enumerate() {
-            let count = BLOCK.min(samples - first);
+        let nothing = [0.0; BLOCK];
+        for (index, first) in samples.clone().step_by(BLOCK).enumerate() {
+            let count = BLOCK.min(samples.end - first);
             let recorded = (0..m).map(|c| (c, shape.u(c))).chain((0..l).map(|p| (m + p, shape.y(p))));
             for (channel, column) in recorded {
                 problem.channels.copy(channel, first, problem.mean[channel], &mut raw[..count]);
-                let by = problem.scale[channel];
-                raw[..count].iter_mut().for_each(|x| *x /= by);
+                let by = problem.scale[channel].recip();
+                raw[..count].iter_mut().for_each(|x| *x *= by);
                 block.set(column, &raw[..count]);
             }
             block.set(shape.ones(), &[1.0; BLOCK][..count]);
             let (responses, recorded) = block.columns.split_at_mut(n * (1 + m) * BLOCK);
-            let mut column = 0;
+            let poles = &self.modes.poles;
+            let mut filters = Vec::with_capacity(states.len());
+            let (mut column, mut rest) = (0, responses);
             for (k, state) in states.iter_mut().enumerate() {
-                let z = self.modes.poles[k % self.modes.poles.len()];
-                let family = k / self.modes.poles.len();
+                let (z, family) = (poles[k % poles.len()], k / poles.len());
                 let width = if z.im > 0.0 { 2 } else { 1 };
-                let (re, im) = responses[column * BLOCK..(column + width) * BLOCK].split_at_mut(BLOCK);
+                let (columns, after) = rest.split_at_mut(width * BLOCK);
+                rest = after;
                 let faded = family == 0 && state.norm() < FADED;
-                if faded {
-                    re.fill(0.0);
-                    im.fill(0.0);
-                    *state = C64::new(0.0, 0.0);
-                } else {
-                    let u = (family > 0).then(|| &recorded[(family - 1) * BLOCK..family * BLOCK]);
-                    *state = on_widest(Filter { z, state: *state, u, re, im: (width == 2).then_some(im) });
-                }
                 alive[column..column + width].fill(!faded);
                 column += width;
+                if faded {
+                    *state = C64::new(0.0, 0.0);
+                    columns.fill(0.0);
+                    continue;
+                }
+                let u = if family == 0 { &nothing[..] } else { &recorded[(family - 1) * BLOCK..family * BLOCK] };
+                let (re, im) = columns.split_at_mut(BLOCK);
+                filters.push(Filter { z, state, u, re, im: (width == 2).then_some(im) });
             }
+            on_widest(Filters(&mut filters));
             if count < BLOCK {
                 block.cut(n * (1 + m), count);
             }
             show(index, &block, &alive);
         }
+        states
     }
 }
