@@ -126,8 +126,7 @@ fn rigs() {
         rig_row(&format!("C, {compiler} {flag}"), |modes| {
             let subject = RigSubject { parameters: &rig(modes), sha256: None };
             let files = rig_sources(&subject, &Name::new("beam").expect("a name")).expect("a rig");
-            let folder =
-                written(&format!("instructions_rig_{modes}"), &Sources { files: files.into(), single_error: None });
+            let folder = written(&format!("instructions_rig_{modes}"), &Sources { files: files.into(), single: None });
             std::fs::write(folder.join("count.c"), named(RIG_C)).expect("written");
             let program = compile(compiler, &[flag], &["beam.c", "count.c"], "count", &folder);
             counted(&mut Command::new("valgrind"), COUNTED_TICK, &[&program.to_string_lossy()])

@@ -279,7 +279,7 @@ mod tests {
             (U[k], Y[(k, 0)], Y[(k, 1)]) = (u, y + f[k], y);
             y = 0.9 * y + u + noise * e[k];
         }
-        Factor::new(&U, &Y, 5, false).unwrap()
+        Factor::new(&U, &Y, 5, false)
     }
 
     #[test]
@@ -302,7 +302,7 @@ mod tests {
                 Y[k] = y + 0.5 * u[k] + noise * e[k];
                 y = 0.9 * y + u[k];
             }
-            let factor = Factor::new(&Mat::from_column_slice(4000, 1, &u), &Y, 5, false).unwrap();
+            let factor = Factor::new(&Mat::from_column_slice(4000, 1, &u), &Y, 5, false);
             let found = of_loop(&factor, Feedthrough::Free);
             assert_eq!(found, Ok(if noise > 0.0 { None } else { Some(Doubt::Inverse) }), "noise {noise}");
         }

@@ -6,6 +6,7 @@ use flexbeam_lti::Mat;
 
 use crate::hankel::factor::Factor;
 use crate::singular::basic_solution;
+use crate::subspace::observability;
 use crate::triangle::{CHUNK_ROWS, Triangle};
 
 /// A combination of B and D that moves the outputs by less than this part of the strongest is not determined.
@@ -55,18 +56,6 @@ pub(crate) fn input_matrices(factor: &Factor, A: &Mat, C: &Mat) -> (Mat, Mat) {
     let found = basic_solution(&R, &triangle.R.view((0, unknowns), (unknowns, 1)).into_owned(), UNKNOWN_RANK);
     let all = Mat::from_fn(l + n, m, |r, c| found[c * (l + n) + r] / lengths[c * (l + n) + r]);
     (all.rows(l, n).into_owned(), all.rows(0, l).into_owned())
-}
-
-/// \[C; C A; ..\] of that many block rows.
-fn observability(A: &Mat, C: &Mat, rows: usize) -> Mat {
-    let l = C.nrows();
-    let mut gamma = Mat::zeros(rows * l, A.nrows());
-    let mut next = C.clone();
-    for k in 0..rows {
-        gamma.rows_mut(k * l, l).copy_from(&next);
-        next = &next * A;
-    }
-    gamma
 }
 
 /// One column of P H L_U as a linear map of the entries of \[D; B\], input by input.

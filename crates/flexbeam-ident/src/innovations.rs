@@ -6,6 +6,7 @@
 use flexbeam_lti::{Mat, discrete_riccati::predictor};
 
 use crate::hankel::factor::Factor;
+use crate::subspace::observability;
 use crate::triangle::least_squares;
 
 /// Part of the outputs' rms below which what is left is rounding, and predicts nothing.
@@ -64,18 +65,6 @@ fn projected(factor: &Factor, past: usize) -> Mat {
     let mut Z = factor.L.select_rows(&factor.outputs(past..2 * factor.i));
     Z.columns_mut(known, factor.L.ncols() - known).fill(0.0);
     Z
-}
-
-/// [C; CA; ..; CA^(i-1)].
-fn observability(A: &Mat, C: &Mat, i: usize) -> Mat {
-    let l = C.nrows();
-    let mut gamma = Mat::zeros(i * l, A.nrows());
-    let mut block = C.clone();
-    for k in 0..i {
-        gamma.rows_mut(k * l, l).copy_from(&block);
-        block *= A;
-    }
-    gamma
 }
 
 impl Innovations {

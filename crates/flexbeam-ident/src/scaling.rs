@@ -44,11 +44,6 @@ impl Scaling {
         Scaling::of(record.finish(), |_| false).0
     }
 
-    /// The part for these channels.
-    pub fn part(&self, channels: std::ops::Range<usize>) -> Scaling {
-        Scaling { mean: self.mean[channels.clone()].to_vec(), scale: self.scale[channels].to_vec() }
-    }
-
     /// Moves the means of the channels from `first` on by these scaled offsets.
     pub fn shift(&mut self, first: usize, offset: &[f64]) {
         let channels = self.mean[first..].iter_mut().zip(&self.scale[first..]);

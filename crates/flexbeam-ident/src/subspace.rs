@@ -27,6 +27,18 @@ pub(crate) fn shift(gamma: &Mat, l: usize) -> Option<(Mat, Mat)> {
     Some((A, gamma.rows(0, l).into_owned()))
 }
 
+/// [C; C A; ..] of that many block rows.
+pub(crate) fn observability(A: &Mat, C: &Mat, rows: usize) -> Mat {
+    let l = C.nrows();
+    let mut gamma = Mat::zeros(rows * l, A.nrows());
+    let mut next = C.clone();
+    for k in 0..rows {
+        gamma.rows_mut(k * l, l).copy_from(&next);
+        next *= A;
+    }
+    gamma
+}
+
 /// A, B, C, D by least squares on two state sequences, equations (16) and (17).
 ///
 /// The sequences are coordinates in the orthonormal rows of Q, so (17)'s least squares over j columns is one over 2i(m + l).

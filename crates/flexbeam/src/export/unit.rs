@@ -5,8 +5,8 @@ use std::path::Path;
 use flexbeam_codegen::fmu::{self, SOURCES, Unit, Version};
 use flexbeam_codegen::{Name, Precision, RigSubject, Subject};
 use flexbeam_files::{
-    Controller, Document, Error, Fault, Overwrite, Rig, Tried, UnitResult, check_free, json_text, read_bytes,
-    schema_of, sha256_hex, write_bytes, zip_bytes,
+    Controller, Document, Error, Fault, Overwrite, Rig, Tried, UnitResult, json_text, read_bytes, schema_of,
+    sha256_hex, write_bytes, zip_bytes,
 };
 
 use super::Idle;
@@ -45,7 +45,6 @@ pub(super) fn export(arguments: &cli::Export) -> Result<(), Failure> {
         true => rig(arguments, &name, version)?,
         false => controller(arguments, &name, version)?,
     };
-    check_free(&arguments.out, overwrite)?;
     let binary = match platform {
         None => None,
         Some(platform) => Some(compiled(&written.unit, &name, &platform).map_err(Failure::while_trying(tried()))?),
