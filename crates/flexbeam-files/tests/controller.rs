@@ -212,6 +212,7 @@ fn the_identify_result_has_the_keys_that_scripts_rely_on() {
         C: Rows::default(),
         D: Rows::default(),
         initial_state: vec![0.0],
+        uncertainty: None,
         identify_s: 0.01,
     };
     let json: serde_json::Value = serde_json::from_str(&json_text(&result)).unwrap();

@@ -45,7 +45,7 @@ fn normalised(found: &Measured, system: &StateSpace) -> Vec<f64> {
 /// With inputs that are correlated with each other: H1 needs their whole spectral matrix.
 #[test]
 fn h1_of_two_correlated_inputs_errs_as_its_standard_deviations_say() {
-    let (mut squares, mut within, mut count) = (0.0, 0.0, 0.0);
+    let (mut squares, mut within, mut count) = (0.0_f64, 0.0, 0.0);
     for seed in 0..20 {
         let independent = white(2, 20_000, 1.0, seed);
         let U = Mat::from_row_slice(2, 2, &[1.0, 0.0, 0.8, 0.6]) * independent;
@@ -60,7 +60,7 @@ fn h1_of_two_correlated_inputs_errs_as_its_standard_deviations_say() {
     }
     println!(
         "rms of errors over their std {:.3}, {:.2} % within 95 %",
-        (squares / count as f64).sqrt(),
+        (squares / count).sqrt(),
         100.0 * within / count
     );
     assert!((0.95..1.05).contains(&(squares / count).sqrt()), "{}", (squares / count).sqrt());
@@ -122,7 +122,7 @@ fn averaged_periods_err_as_their_standard_deviations_say() {
     let worst = clean.measured.G.iter().zip(&truth).map(|(G, truth)| (G - truth).norm()).fold(0.0, f64::max);
     assert!(worst < 1e-10, "{worst}");
 
-    let (mut squares, mut count, mut silent) = (0.0, 0.0, 0.0);
+    let (mut squares, mut count, mut silent) = (0.0_f64, 0.0, 0.0);
     for seed in 0..10 {
         let noisy = &Y + white(2, Y.ncols(), 0.3, seed);
         let found = averaged(&signals(U.clone()), &signals(noisy), 1000, 1).unwrap();

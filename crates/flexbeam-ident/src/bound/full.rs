@@ -12,12 +12,17 @@ const ORDERS: [usize; 6] = [4, 6, 8, 10, 12, 14];
 /// A recording contradicts its model when chance alone would show as much with less than this probability.
 const CONTRADICTION: f64 = 0.01;
 
+/// An order that leaves this many times what a smaller one left is not an improvement that went unnoticed.
+const MORE: f64 = 1.5;
+
 /// A model of the whole recording, and whether anything is left.
 pub struct Full {
     /// Model, estimated from all samples.
     pub identified: Identified,
     /// Response of what the model leaves to the input: nothing but noise unless `contradicted`.
     pub left: Measured,
+    /// Power of what the model leaves over the power of the outputs, summed over them.
+    pub part_left: f64,
     /// Whether some of what is left answers to the input beyond chance: no order that was tried is enough.
     pub contradicted: bool,
 }
@@ -45,11 +50,17 @@ pub fn full(
     alike: impl Fn(&StateSpace) -> bool,
 ) -> Result<Full, Error> {
     let mut tried: Vec<(f64, Full)> = Vec::new();
+    let mut least_left = f64::INFINITY;
     let mut refused = None;
     for order in ORDERS {
         match tried_order(order, inputs, outputs, options) {
+            // More states that leave more of the recording: an estimate that failed, whose wide residuals contradict nothing.
+            Ok((_, found)) if found.part_left > MORE * least_left => {}
             Ok((chance, found)) if chance >= CONTRADICTION => return Ok(found),
-            Ok(found) => tried.push(found),
+            Ok((chance, found)) => {
+                least_left = least_left.min(found.part_left);
+                tried.push((chance, found));
+            }
             Err(why) => {
                 refused.get_or_insert(why);
             }
@@ -70,18 +81,21 @@ fn tried_order(order: usize, inputs: &Signals, outputs: &Signals, options: &Opti
     if let Err(why) = &identified.continuous {
         return Err(Error::Linear(why.clone()));
     }
-    let left = left(inputs, outputs, &identified)?;
+    let residuals = residuals(inputs, outputs, &identified)?;
+    let left = h1(inputs, &residuals, Segments::of_record(inputs.samples()))?;
     let chance = chance(&left, inputs.samples());
-    Ok((chance, Full { identified, left, contradicted: chance < CONTRADICTION }))
+    let part = |p: usize| residuals.data.row(p).norm_squared() / outputs.data.row(p).norm_squared();
+    let part_left = (0..outputs.channels()).map(part).sum();
+    Ok((chance, Full { identified, left, part_left, contradicted: chance < CONTRADICTION }))
 }
 
-/// Response of the residuals to the inputs.
-fn left(inputs: &Signals, outputs: &Signals, identified: &Identified) -> Result<Measured, Error> {
+/// What the model's own answer leaves of the outputs.
+fn residuals(inputs: &Signals, outputs: &Signals, identified: &Identified) -> Result<Signals, Error> {
     let less = |data: &Mat, means: &[f64]| Mat::from_fn(data.nrows(), data.ncols(), |r, t| data[(r, t)] - means[r]);
     let U = less(&inputs.data, &identified.input_means);
     let answer = simulate(&identified.model, &U, &identified.initial_state)?;
     let data = less(&outputs.data, &identified.output_means) - answer;
-    h1(inputs, &Signals { data, ..outputs.clone() }, Segments::of_record(inputs.samples()))
+    Ok(Signals { data, ..outputs.clone() })
 }
 
 /// How likely chance alone shows a coherence as large as the largest.

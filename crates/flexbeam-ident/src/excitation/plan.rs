@@ -95,9 +95,10 @@ impl Plan {
 
     fn check(&self) -> Result<(), Error> {
         let nyquist_hz = 0.5 / self.period_s;
-        if self.periods == 0 || self.samples / self.periods < FEWEST {
-            let found = if self.periods == 0 { 0.0 } else { (self.samples / self.periods) as f64 };
-            return setting("the samples of a period of the excitation", found, "at least 8, in at least one period");
+        let of_period = self.samples.checked_div(self.periods).unwrap_or(0);
+        if of_period < FEWEST {
+            let needed = "at least 8, in at least one period";
+            return setting("the samples of a period of the excitation", of_period as f64, needed);
         }
         let finite = [("rms_v", self.rms_v, true), ("period_s", self.period_s, true), ("peak_v", self.peak_v, false)];
         for (name, found, finite) in finite {
