@@ -3,7 +3,7 @@
 
 mod on_clock;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use flexbeam_files::{
     Document, FEWEST_ROWS, Note, Overwrite, RecordResult, check_free, csv_text, json_text, sha256_hex, write_bytes,
@@ -53,11 +53,9 @@ fn parameters(arguments: &cli::Record) -> Result<RigParameters, Failure> {
 /// Returns: the signals, and the table's bytes.
 /// Errors: those of the rig and of writing.
 pub(crate) fn recorded(arguments: &cli::Record) -> Result<(Signals, Vec<u8>), Failure> {
-    let (csv, note) = (&arguments.out, Note::path_for(&arguments.out));
-    let replace = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
+    let csv = &arguments.out;
     let (port, parameters) = (port(&arguments.link.port)?, parameters(arguments)?);
-    check_free(csv, replace)?;
-    let replace_note = overwrite::<Note>(&note, arguments.force)?;
+    let place = Place::free(csv, arguments.force)?;
     let signals = if port == Port::Simulated {
         let _sign = waiting("recording");
         let tried = format!("record {}", csv.display());
@@ -66,12 +64,37 @@ pub(crate) fn recorded(arguments: &cli::Record) -> Result<(Signals, Vec<u8>), Fa
     } else {
         on_clock::Recording { arguments, port: &port, parameters: &parameters }.as_signals()?
     };
-    let bytes = csv_text(&signals, None).into_bytes();
     let parents: Vec<&Path> = arguments.rig.iter().map(|path| path.as_path()).collect();
-    let text = Note::new(&signals, &bytes, provenance(&parents, &note)?).to_toml(&note)?;
-    write_bytes(csv, &bytes, replace)?;
-    write_bytes(&note, text.as_bytes(), replace_note)?;
+    let bytes = place.write(&signals, &parents)?;
     Ok((signals, bytes))
+}
+
+/// Where a table goes, and the note beside it.
+pub(crate) struct Place<'a> {
+    csv: &'a Path,
+    note: PathBuf,
+    replace: Overwrite,
+    replace_note: Overwrite,
+}
+
+impl Place<'_> {
+    /// Errors: something stands there that is not to be written over.
+    pub fn free(csv: &Path, force: bool) -> Result<Place<'_>, Failure> {
+        let replace = if force { Overwrite::Allow } else { Overwrite::SameKind };
+        check_free(csv, replace)?;
+        let note = Note::path_for(csv);
+        let replace_note = overwrite::<Note>(&note, force)?;
+        Ok(Place { csv, note, replace, replace_note })
+    }
+
+    /// Returns: the table's bytes.
+    pub fn write(&self, signals: &Signals, parents: &[&Path]) -> Result<Vec<u8>, Failure> {
+        let bytes = csv_text(signals, None).into_bytes();
+        let text = Note::new(signals, &bytes, provenance(parents, &self.note)?).to_toml(&self.note)?;
+        write_bytes(self.csv, &bytes, self.replace)?;
+        write_bytes(&self.note, text.as_bytes(), self.replace_note)?;
+        Ok(bytes)
+    }
 }
 
 /// White Gaussian voltage of this rms, and what the rig's sensors read.
