@@ -88,16 +88,23 @@ impl Estimate {
 
 /// The 97.5 % quantile of Student's t.
 ///
-/// Numerics: Cornish-Fisher expansion to the third order, within 0.3 % from 3 degrees of freedom on, 3 % below at 2.
+/// Numerics: Cornish-Fisher expansion to the fourth order, within 0.2 % from 3 degrees of freedom on; 1 and 2 are exact.
 /// Source: Abramowitz and Stegun 26.7.5.
 pub fn student_95(freedom: usize) -> f64 {
-    let (z, n) = (1.959_963_984_540_054_f64, freedom.max(1) as f64);
+    // tan(0.475 pi), and 0.95 sqrt(2/(1 - 0.95^2)).
+    match freedom {
+        0 | 1 => return 12.706_204_736,
+        2 => return 4.302_652_730,
+        _ => {}
+    }
+    let (z, n) = (1.959_963_984_540_054_f64, freedom as f64);
     let g = [
         (z.powi(3) + z) / 4.0,
         (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0,
         (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / 384.0,
+        (79.0 * z.powi(9) + 776.0 * z.powi(7) + 1482.0 * z.powi(5) - 1920.0 * z.powi(3) - 945.0 * z) / 92160.0,
     ];
-    z + g[0] / n + g[1] / (n * n) + g[2] / n.powi(3)
+    z + g[0] / n + g[1] / (n * n) + g[2] / n.powi(3) + g[3] / n.powi(4)
 }
 
 /// What makes newton metres of volts; none of it is in the signals.
@@ -344,8 +351,10 @@ mod tests {
 
     #[test]
     fn student_s_t_is_that_of_the_tables() {
-        for (freedom, t) in [(3, 3.1824), (5, 2.5706), (10, 2.2281), (16, 2.1199), (100, 1.9840)] {
-            assert!((student_95(freedom) / t - 1.0).abs() < 3e-3, "{freedom}: {}", student_95(freedom));
+        for (freedom, t) in
+            [(1, 12.7062), (2, 4.3027), (3, 3.1824), (5, 2.5706), (10, 2.2281), (16, 2.1199), (100, 1.9840)]
+        {
+            assert!((student_95(freedom) / t - 1.0).abs() < 2e-3, "{freedom}: {}", student_95(freedom));
         }
     }
 }

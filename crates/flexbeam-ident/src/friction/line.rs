@@ -106,7 +106,8 @@ pub(crate) fn rise(speed_rad_s: f64, stribeck_speed_rad_s: f64) -> f64 {
 fn least_squares(A: &Mat, b: &Mat) -> Result<Mat, Error> {
     let svd = A.clone().svd(true, true);
     let largest = svd.singular_values.max();
-    let reciprocal = svd.singular_values.min() / largest;
+    let fewer = A.nrows() < A.ncols();
+    let reciprocal = if fewer { 0.0 } else { svd.singular_values.min() / largest };
     if !(reciprocal > 1e-6) {
         return Err(Error::SpeedsAlike { reciprocal });
     }
