@@ -356,6 +356,10 @@ pub struct RigTestResult {
     pub residual_voltage_v: Option<f64>,
     /// Controller file that has these settings now; null when none was named.
     pub applied_to: Option<String>,
+    /// Breakaway of repeated ramps, the delay of its detection removed; null when no ramp was repeated.
+    pub repeated: Option<crate::friction_result::RepeatedBreakaway>,
+    /// Friction from constant-speed runs; null without `--friction`.
+    pub friction: Option<crate::friction_result::FrictionResult>,
 }
 
 /// `flexbeam export`.

@@ -183,8 +183,8 @@ fn ninety_five_percent_intervals_hold_the_truth_in_most_draws() {
     }
     println!("held in {DRAWS}: coulomb, dead zone, B_eq, breakaway +-: {held:?}; worst {worst:?}");
     assert!(worst[0] < 0.10 && worst[1] < 0.05, "{worst:?}");
-    // 40 draws of 95 %: 34 or fewer come once in seventy times, and a bias of two standard errors holds 20.
-    assert!(held.iter().all(|&h| h >= 34), "{held:?}");
+    // 40 draws of 95 %: 34 or fewer come once in seventy times; a bias of two standard errors would hold 20.
+    assert!(held.iter().all(|&h| h >= 35), "{held:?}");
 }
 
 #[test]

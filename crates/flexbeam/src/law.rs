@@ -61,5 +61,7 @@ pub fn test_result(law: Law, found: &Breakaway, thresholds: &Thresholds, applied
         eps_e_rad: thresholds.eps_e_rad,
         residual_voltage_v: residual_v(law, found, thresholds),
         applied_to,
+        repeated: None,
+        friction: None,
     }
 }

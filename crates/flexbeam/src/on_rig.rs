@@ -118,16 +118,9 @@ pub fn drive_rig(
     voltages_v: &[f64],
     sinks: impl FnOnce() -> Result<Vec<Box<dyn Sink>>, Failure>,
 ) -> Result<(Outcome, Vec<Sample>), Failure> {
-    let live = Live { revision: 0, settings: kernel::Settings::default(), reference: Reference::default() };
-    let mut setup = setup_on(rig.link, Setup::new(ControllerData::pass_through(), live, period_s))?;
-    let mut back_end = port::open(rig.port, rig.simulated, rig.seed)?;
-    within_reach(back_end.as_ref(), &mut setup);
-    if *rig.port != Port::Simulated {
-        back_end = home(back_end, &mut setup, rig.link.sign_check)?;
-    }
+    let (back_end, setup) = ready(rig, period_s)?;
     let bar = progress(voltages_v.len() as u64, "driving the rig");
     let along = bar.clone();
-    setup.frozen = rig.frozen;
     let setup = open_loop_setup(voltages_v.into(), &setup.live.settings, &setup);
     let offsets = [setup.live.settings.theta.offset_rad, setup.live.settings.alpha.offset_rad];
     let every = (0.1 / period_s).ceil() as u64;
@@ -139,11 +132,31 @@ pub fn drive_rig(
     })
     .map_err(Failure::while_trying(format!("drive the rig at {}", rig.port)))?;
     bar.finish_and_clear();
-    for sample in &mut samples {
+    from_zeroes(&mut samples, offsets);
+    Ok((outcome, samples))
+}
+
+/// A rig with its limits, open and homed, for one list of voltages after another.
+///
+/// Errors: a rig that cannot be opened or homed.
+pub fn ready(rig: &RigAt<'_>, period_s: f64) -> Result<(Box<dyn BackEnd>, Setup), Failure> {
+    let live = Live { revision: 0, settings: kernel::Settings::default(), reference: Reference::default() };
+    let mut setup = setup_on(rig.link, Setup::new(ControllerData::pass_through(), live, period_s))?;
+    let mut back_end = port::open(rig.port, rig.simulated, rig.seed)?;
+    within_reach(back_end.as_ref(), &mut setup);
+    if *rig.port != Port::Simulated {
+        back_end = home(back_end, &mut setup, rig.link.sign_check)?;
+    }
+    setup.frozen = rig.frozen;
+    Ok((back_end, setup))
+}
+
+/// Angles from the zeroes that were found, theta's and alpha's.
+pub fn from_zeroes(samples: &mut [Sample], offsets: [f64; 2]) {
+    for sample in samples {
         sample.measured.theta_rad -= offsets[0];
         sample.measured.alpha_rad -= offsets[1];
     }
-    Ok((outcome, samples))
 }
 
 /// The running samples as a recording: voltage_v acts from its instant on.

@@ -4,7 +4,7 @@
 mod on_clock;
 mod planned;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use flexbeam_files::{
     Document, Excitation, Note, Overwrite, Physical, RecordResult, check_free, csv_text, json_text, sha256_hex,
@@ -57,11 +57,8 @@ struct Recorded {
 }
 
 fn recorded_as_planned(arguments: &cli::Record) -> Result<Recorded, Failure> {
-    let (csv, note) = (&arguments.out, Note::path_for(&arguments.out));
-    let replace = if arguments.force { Overwrite::Allow } else { Overwrite::SameKind };
     let (port, parameters) = (port(&arguments.link.port)?, parameters(arguments)?);
-    check_free(csv, replace)?;
-    let replace_note = overwrite::<Note>(&note, arguments.force)?;
+    let place = Place::free(&arguments.out, arguments.force)?;
     let Promised { excitation, planned, expected } = Promised::of(arguments, &parameters)?;
     let signals = if port == Port::Simulated {
         let _sign = waiting("recording");
@@ -71,12 +68,8 @@ fn recorded_as_planned(arguments: &cli::Record) -> Result<Recorded, Failure> {
         on_clock::Recording { arguments, port: &port, parameters: &parameters, voltage_v: &excitation.voltage_v }
             .as_signals()?
     };
-    let bytes = csv_text(&signals, None).into_bytes();
     let parents: Vec<&Path> = arguments.rig.iter().map(|path| path.as_path()).collect();
-    let about = Note::new(&signals, &bytes, provenance(&parents, &note)?);
-    let text = Note { excitation: Some(planned.clone()), ..about }.to_toml(&note)?;
-    write_bytes(csv, &bytes, replace)?;
-    write_bytes(&note, text.as_bytes(), replace_note)?;
+    let bytes = place.write(&signals, &parents, Some(&planned))?;
     Ok(Recorded { signals, bytes, planned, expected })
 }
 
@@ -106,6 +99,42 @@ impl Promised {
             planned::say_expected(expected, parameters.sensors.noise_rad());
         }
         Ok(promised)
+    }
+}
+
+/// Where a table goes, and the note beside it.
+pub(crate) struct Place<'a> {
+    csv: &'a Path,
+    note: PathBuf,
+    replace: Overwrite,
+    replace_note: Overwrite,
+}
+
+impl Place<'_> {
+    /// Errors: something stands there that is not to be written over.
+    pub fn free(csv: &Path, force: bool) -> Result<Place<'_>, Failure> {
+        let replace = if force { Overwrite::Allow } else { Overwrite::SameKind };
+        check_free(csv, replace)?;
+        let note = Note::path_for(csv);
+        let replace_note = overwrite::<Note>(&note, force)?;
+        Ok(Place { csv, note, replace, replace_note })
+    }
+
+    /// `excitation` is what the voltage was made of, where it was planned.
+    ///
+    /// Returns: the table's bytes.
+    pub fn write(
+        &self,
+        signals: &Signals,
+        parents: &[&Path],
+        excitation: Option<&Excitation>,
+    ) -> Result<Vec<u8>, Failure> {
+        let bytes = csv_text(signals, None).into_bytes();
+        let about = Note::new(signals, &bytes, provenance(parents, &self.note)?);
+        let text = Note { excitation: excitation.cloned(), ..about }.to_toml(&self.note)?;
+        write_bytes(self.csv, &bytes, self.replace)?;
+        write_bytes(&self.note, text.as_bytes(), self.replace_note)?;
+        Ok(bytes)
     }
 }
 

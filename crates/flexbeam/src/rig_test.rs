@@ -1,24 +1,33 @@
-//! `flexbeam rig test`: a slow ramp in both directions, where the hub breaks away, and the settings that follow.
+//! `flexbeam rig test`: slow ramps in both directions, where the hub breaks away, and the settings that follow; with `--friction`
+//! also runs at constant speed, and what rubs.
+
+mod bench;
+mod friction;
+mod picture;
+mod table;
 
 use std::path::Path;
 
 use flexbeam_files as files;
-use flexbeam_files::{Controller, Document, Overwrite, json_text};
-use flexbeam_ident::breakaway::{Breakaway, Detection, Thresholds, breakaway as breakaway_of};
+use flexbeam_files::{
+    Controller, Document, FrictionResult, Layout, Overwrite, Recording, Rig, RigTestResult, json_text,
+};
+use flexbeam_ident::Error;
+use flexbeam_ident::breakaway::{Breakaway, Detection, Thresholds, breakaway as breakaway_of, repeated as repeated_of};
 use flexbeam_ident::excitation::SlowRamp;
+use flexbeam_ident::friction::{Estimate, FrictionTest, friction as friction_test};
 use flexbeam_lti::Signals;
-use flexbeam_report::{Cell, Table};
 use flexbeam_rig::{RigParameters, SimulatedRig, open_loop};
 use flexbeam_runtime::port::Port;
-use flexbeam_runtime::{Cause, FrozenLimit};
 
 use crate::identify::Hinted;
-use crate::law::{residual_v, test_result, with_thresholds};
-use crate::on_rig::{RigAt, drive_rig, signals_of, whole_in_memory};
+use crate::law::{test_result, with_thresholds};
+use crate::output::{overwrite, say};
 use crate::port::port;
-use crate::record::MOST_SAMPLES;
+use crate::record::{MOST_SAMPLES, Place};
 use crate::rig_file::rig_parameters;
 use crate::{Failure, cli};
+use bench::Bench;
 
 /// A ramp that cannot be driven.
 #[derive(Debug, thiserror::Error)]
@@ -40,35 +49,140 @@ struct BrokenOff(String);
 /// breaks the hub loose at 0.07 V in place of 0.10 V.
 pub(crate) const RAMP: SlowRamp = SlowRamp { peak_v: 0.6, rate_v_s: 0.02, rest_s: 30.0 };
 
+/// What a test or its recording says.
+struct Measured {
+    found: Breakaway,
+    detection: Detection,
+    repeated: Option<[Estimate; 2]>,
+    friction: Option<FrictionTest>,
+}
+
+/// Sample period of a rig that is not simulated [s].
+const PERIOD_S: f64 = 0.001;
+
 /// `flexbeam rig test`.
 pub fn run(arguments: &cli::RigTest) -> Result<(), Failure> {
+    friction::check(arguments)?;
+    let place = arguments.keep.as_deref().map(|csv| Place::free(csv, arguments.force)).transpose()?;
+    arguments.write_rig.as_deref().map(|path| overwrite::<Rig>(path, arguments.force)).transpose()?;
     let controller = arguments.apply_to.as_deref().map(Controller::read).transpose()?;
     let parameters = rig_parameters(arguments.rig.as_deref())?;
-    let ramp = SlowRamp { peak_v: arguments.highest, rate_v_s: arguments.slope, rest_s: arguments.rest };
-    let (found, detection) = match port(&arguments.link.port)? {
-        Port::Simulated => breakaway(&parameters, &ramp, arguments.seed)?,
-        port => {
-            let rig = RigAt {
-                port: &port,
-                link: &arguments.link,
-                simulated: &parameters,
-                seed: arguments.seed,
-                frozen: FrozenLimit::NEVER,
-            };
-            breakaway_at(&rig, arguments.period, &ramp)?
-        }
+    let measured = match &arguments.from {
+        Some(path) => of_recording(arguments, path, &parameters)?,
+        None => measured(arguments, &parameters, place.as_ref())?,
     };
-
     let law = law(arguments.law, controller.as_ref());
     let thresholds = match law {
-        files::Law::Switched => found.switched_thresholds(detection.resolution_rad),
-        _ => found.inverse_thresholds(detection.resolution_rad),
+        files::Law::Switched => measured.found.switched_thresholds(measured.detection.resolution_rad),
+        _ => measured.found.inverse_thresholds(measured.detection.resolution_rad),
     };
+    let rubs = measured.friction.as_ref().map(|test| told(arguments, test, &parameters)).transpose()?;
     if let (Some(controller), Some(path)) = (controller, &arguments.apply_to) {
-        apply(controller, path, law, &found, &thresholds)?;
+        apply(controller, path, law, &measured.found, &thresholds)?;
     }
-    answer(arguments, law, &found, &thresholds);
+    let applied_to = arguments.apply_to.as_ref().map(|path| path.display().to_string());
+    let result = RigTestResult {
+        repeated: measured.repeated.map(friction::repeated_result),
+        friction: rubs,
+        ..test_result(law, &measured.found, &thresholds, applied_to)
+    };
+    answer(arguments, &result);
     Ok(())
+}
+
+/// The numbers of the runs; their rig file and their picture where they are asked for.
+fn told(arguments: &cli::RigTest, test: &FrictionTest, parameters: &RigParameters) -> Result<FrictionResult, Failure> {
+    let motor = friction::motor(arguments, parameters);
+    let rubs = friction::result(test, &motor);
+    friction::notes(test, &motor);
+    if let Some(path) = &arguments.write_rig {
+        friction::write_rig(path, arguments, &rubs)?;
+    }
+    if let Some(path) = &arguments.plots {
+        picture::draw(path, test)?;
+    }
+    Ok(rubs)
+}
+
+/// Drives the rig: the simulated one with one ramp each way to the end, otherwise no further than the breakaway.
+fn measured(
+    arguments: &cli::RigTest,
+    parameters: &RigParameters,
+    place: Option<&Place<'_>>,
+) -> Result<Measured, Failure> {
+    let ramp = SlowRamp { peak_v: arguments.highest, rate_v_s: arguments.slope, rest_s: arguments.rest };
+    let port = port(&arguments.link.port)?;
+    let repeats = arguments.repeats.unwrap_or(if arguments.friction { 3 } else { 1 });
+    if port == Port::Simulated && repeats == 1 && !arguments.friction && place.is_none() {
+        let (found, detection) = breakaway(parameters, &ramp, arguments.seed)?;
+        return Ok(Measured { found, detection, repeated: None, friction: None });
+    }
+    let period_s = if port == Port::Simulated { parameters.period_s } else { arguments.period.unwrap_or(PERIOD_S) };
+    check(&ramp, period_s)?;
+    let detection = detection(parameters);
+    let mut bench = Bench::open(arguments, &port, parameters, period_s)?;
+    let found = friction::pilot_ramps(&mut bench, &ramp, &detection)?;
+    if repeats > 1 || arguments.friction {
+        friction::ramps_and_runs(&mut bench, arguments, &found, parameters, repeats)?;
+    }
+    let signals = bench.recorded();
+    // From all of it, so that --from a kept recording gives the same answer.
+    let found = if repeats > 1 || arguments.friction { self::found(&signals, &detection)?.0 } else { found };
+    if let Some(place) = place {
+        let parents: Vec<&Path> = arguments.rig.iter().map(|path| path.as_path()).collect();
+        place.write(&signals, &parents, None)?;
+    }
+    let repeated = (repeats > 1).then(|| repeated(&signals, parameters)).transpose().map_err(untold)?;
+    let friction = arguments.friction.then(|| friction_of(&signals, parameters)).transpose().map_err(untold)?;
+    Ok(Measured { found, detection, repeated, friction })
+}
+
+/// What a recording of such a test says.
+///
+/// Errors: a recording without ramps, and without `--friction` or runs that tell the voltage as well.
+fn of_recording(arguments: &cli::RigTest, path: &Path, parameters: &RigParameters) -> Result<Measured, Failure> {
+    let columns = Some(arguments.columns.clone()).filter(|columns| !columns.is_empty());
+    let recording = Recording::read(path, &Layout { columns, period_s: arguments.period })?.into_si();
+    let signals = recording.select(&["voltage_v", "theta_rad", "alpha_rad"].map(String::from))?;
+    let said = |why: Error| Failure::while_trying(format!("read a rig test in {}", path.display()))(Hinted(why));
+    let detection = detection(parameters);
+    let friction = arguments.friction.then(|| friction_of(&signals, parameters)).transpose().map_err(said)?;
+    let repeated = repeated(&signals, parameters);
+    if let Some(why) = friction.as_ref().and(repeated.as_ref().err()) {
+        say(format_args!("no standard error of the breakaway: {why}"));
+    }
+    let row = friction::rows(&signals);
+    let found = match (breakaway_of(&row[0], &row[1], signals.period_s, &detection), &friction) {
+        (Ok(found), _) => found,
+        (Err(why), None) => return Err(said(why)),
+        (Err(why), Some(test)) => {
+            say(format_args!("no slow ramp ({why}): the runs' voltage at standstill stands in for the breakaway"));
+            at_standstill(test)
+        }
+    };
+    Ok(Measured { found, detection, repeated: repeated.ok(), friction })
+}
+
+/// Where the curve of the steady runs meets zero speed: the breakaway of a hub that sticks no more than it rubs.
+fn at_standstill(test: &FrictionTest) -> Breakaway {
+    let rise_v = test.stribeck().map_or(0.0, |(extra, _)| extra.value);
+    let (plus_v, minus_v) = (test.dry_plus_v().value + rise_v, -test.dry_minus_v().value - rise_v);
+    Breakaway { plus_v, minus_v, plus_sample: 0, minus_sample: 0 }
+}
+
+fn untold(why: Error) -> Failure {
+    Failure::while_trying(TRIED)(Hinted(why))
+}
+
+fn repeated(signals: &Signals, parameters: &RigParameters) -> Result<[Estimate; 2], Error> {
+    let row = friction::rows(signals);
+    let step_v = parameters.actuator.converter_step_v.unwrap_or(0.0);
+    repeated_of(&row[0], &row[1], signals.period_s, &detection(parameters), step_v)
+}
+
+fn friction_of(signals: &Signals, parameters: &RigParameters) -> Result<FrictionTest, Error> {
+    let row = friction::rows(signals);
+    friction_test(&friction::recorded_of(&row, signals.period_s), &friction::options(parameters))
 }
 
 /// The breakaway voltages of the simulated rig, by a slow ramp in both directions, and how the movement was detected.
@@ -84,20 +198,6 @@ pub(crate) fn breakaway(
     let voltage_v = ramp.voltage(parameters.period_s);
     let signals = open_loop(&mut rig, &voltage_v).map_err(Failure::while_trying(TRIED))?;
     found(&signals, &detection(parameters))
-}
-
-/// The same of a rig at a port, on the clock.
-///
-/// Errors: those of [`breakaway`] and of [`drive_rig`]; a rig that faulted.
-fn breakaway_at(rig: &RigAt<'_>, period_s: f64, ramp: &SlowRamp) -> Result<(Breakaway, Detection), Failure> {
-    check(ramp, period_s)?;
-    let voltage_v = ramp.voltage(period_s);
-    let (outcome, samples) = drive_rig(rig, period_s, &voltage_v, || Ok(Vec::new()))?;
-    if outcome.report.cause != Cause::Over {
-        return Err(Failure::Fault(Box::new(BrokenOff(outcome.report.text))));
-    }
-    whole_in_memory(&outcome)?;
-    found(&signals_of(&samples, period_s)?, &Detection::default())
 }
 
 const TRIED: &str = "measure the breakaway voltages";
@@ -155,38 +255,16 @@ fn apply(
     Ok(())
 }
 
-fn answer(arguments: &cli::RigTest, law: files::Law, found: &Breakaway, thresholds: &Thresholds) {
+fn answer(arguments: &cli::RigTest, result: &RigTestResult) {
     if arguments.json {
-        let applied_to = arguments.apply_to.as_ref().map(|path| path.display().to_string());
-        let result = test_result(law, found, thresholds, applied_to);
-        println!("{}", json_text(&result));
+        println!("{}", json_text(result));
         return;
     }
-    println!("{}", table(law, found, thresholds).text());
+    println!("{}", table::settings(result).text());
+    if let Some(rubs) = &result.friction {
+        println!("{}", table::friction(rubs).text());
+    }
     if arguments.apply_to.is_none() {
         println!("next: flexbeam rig test --apply-to controller.toml writes these settings into a controller");
     }
-}
-
-fn table(law: files::Law, found: &Breakaway, thresholds: &Thresholds) -> Table {
-    let name = match law {
-        files::Law::Switched => "switched law",
-        files::Law::Inverse => "inverse law",
-        files::Law::None => "inverse law (the controller uses none)",
-    };
-    let mut rows = vec![
-        ("breakaway forward", found.plus_v, "V", "measured"),
-        ("breakaway backward", found.minus_v, "V", "measured"),
-        ("u_p forward", thresholds.u_p_plus_v, "V", name),
-        ("u_p backward (magnitude)", thresholds.u_p_minus_v, "V", name),
-        ("eps_u", thresholds.eps_u_v, "V", name),
-        ("eps_e", thresholds.eps_e_rad.to_degrees(), "degree", name),
-    ];
-    rows.extend(residual_v(law, found, thresholds).map(|v| ("residual voltage v_res", v, "V", name)));
-    rows.into_iter().fold(
-        Table::new(&[("", ""), ("value", ""), ("unit", ""), ("from", "")]),
-        |table, (what, x, unit, from)| {
-            table.row([what.into(), Cell::Number(format!("{x:+.4}")), unit.into(), from.into()])
-        },
-    )
 }

@@ -4,8 +4,10 @@ use super::Run;
 use crate::Error;
 use flexbeam_lti::Mat;
 
-/// Chance of taking scatter for a Stribeck effect.
-const CHANCE: f64 = 0.001;
+/// Chance of taking scatter for a Stribeck effect at one speed; many are tried, and a converter's steps are no Gaussian scatter.
+const CHANCE: f64 = 1e-4;
+/// The fastest run is at least so many times as fast as w_s: a rise over half of the runs is not told from a slope.
+const APART: f64 = 5.0;
 /// Speeds w_s that are tried.
 const TRIED: usize = 40;
 /// Runs that the curve with a Stribeck effect needs at least: its five numbers and three to spare.
@@ -66,7 +68,7 @@ impl Line {
     fn best_curve(runs: &[&Run]) -> Result<Line, Error> {
         let speeds = || runs.iter().map(|run| run.speed_rad_s.abs());
         let (slowest, fastest) = (speeds().fold(f64::MAX, f64::min), speeds().fold(0.0, f64::max));
-        let tried = (0..TRIED).map(|k| slowest * (0.5 * fastest / slowest).powf(k as f64 / (TRIED - 1) as f64));
+        let tried = (0..TRIED).map(|k| slowest * (fastest / (APART * slowest)).powf(k as f64 / (TRIED - 1) as f64));
         let mut best = Line::with(runs, Some(slowest))?;
         for w_s in tried {
             // A speed at which no run shows the rise apart from the dry friction has no curve.
@@ -104,7 +106,8 @@ pub(crate) fn rise(speed_rad_s: f64, stribeck_speed_rad_s: f64) -> f64 {
 fn least_squares(A: &Mat, b: &Mat) -> Result<Mat, Error> {
     let svd = A.clone().svd(true, true);
     let largest = svd.singular_values.max();
-    let reciprocal = svd.singular_values.min() / largest;
+    let fewer = A.nrows() < A.ncols();
+    let reciprocal = if fewer { 0.0 } else { svd.singular_values.min() / largest };
     if !(reciprocal > 1e-6) {
         return Err(Error::SpeedsAlike { reciprocal });
     }

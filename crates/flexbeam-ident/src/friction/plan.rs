@@ -38,6 +38,8 @@ pub struct Plan {
     pub slowest_rad_s: f64,
     /// Fastest run [rad/s], default 3; less when travel or voltage end before.
     pub fastest_rad_s: f64,
+    /// Further runs each way for the sake of their coasts, default 8: from half the fastest speed on.
+    pub coasts: usize,
     /// Longest run [s], default 2.5.
     pub longest_s: f64,
     /// Zero voltage behind each run [s], default 1.5.
@@ -53,6 +55,7 @@ impl Default for Plan {
             speeds: 10,
             slowest_rad_s: 0.05,
             fastest_rad_s: 3.0,
+            coasts: 8,
             longest_s: 2.5,
             coast_s: 1.5,
             limit_v: 10.0,
@@ -69,14 +72,21 @@ impl Plan {
         let samples = |t_s: f64| (t_s / period_s).round() as usize;
         let rest = || std::iter::repeat_n(0.0, samples(self.coast_s));
         let mut voltages: Vec<f64> = rest().collect();
-        for k in 0..self.speeds {
-            let w = self.slowest_rad_s * (fastest / self.slowest_rad_s).powf(k as f64 / (self.speeds - 1) as f64);
+        for w in self.speeds_rad_s(fastest) {
             let length = samples(self.longest_s.min(self.travel_rad / w));
             for voltage in [pilot.plus_v + pilot.slope_v_s * w, -pilot.minus_v - pilot.slope_v_s * w] {
                 voltages.extend(std::iter::repeat_n(voltage, length).chain(rest()));
             }
         }
         Ok(voltages)
+    }
+
+    /// Geometric over the whole range for the curve, then even over its upper half for the coasts.
+    fn speeds_rad_s(&self, fastest: f64) -> impl Iterator<Item = f64> {
+        let part = |k: usize, n: usize| k as f64 / (n.max(2) - 1) as f64;
+        let (slowest, speeds, coasts) = (self.slowest_rad_s, self.speeds, self.coasts);
+        let curve = (0..speeds).map(move |k| slowest * (fastest / slowest).powf(part(k, speeds)));
+        curve.chain((0..coasts).map(move |k| fastest * (0.5 + 0.5 * part(k, coasts))))
     }
 
     fn fastest(&self, pilot: &Pilot, options: &Options) -> Result<f64, Error> {

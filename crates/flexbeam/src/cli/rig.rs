@@ -23,7 +23,7 @@ pub struct Rig {
 /// Experiments on a rig.
 #[derive(Debug, Subcommand)]
 pub enum Experiment {
-    /// Slow-ramp breakaway test: breakaway voltages, and the thresholds and u_p that follow
+    /// Breakaway voltages by slow ramps, and the thresholds and u_p that follow; friction from constant-speed runs
     #[command(allow_negative_numbers = true)]
     Test(RigTest),
 }
@@ -60,9 +60,39 @@ pub struct RigTest {
     /// Rig file of the simulated rig; the paper's by default
     #[arg(long)]
     pub rig: Option<PathBuf>,
-    /// Sample period of a rig that is not simulated [s]
-    #[arg(long, default_value_t = 0.001)]
-    pub period: f64,
+    /// Sample period of a rig that is not simulated, 0.001 by default, or of a --from without a time column [s]
+    #[arg(long)]
+    pub period: Option<f64>,
+    /// Coulomb torque, dead zone and viscous friction, too, from runs at constant speed
+    #[arg(long)]
+    pub friction: bool,
+    /// Slow ramps each way; from two on with a standard error. One by default, three with --friction
+    #[arg(long)]
+    pub repeats: Option<usize>,
+    /// Largest turn of a constant-speed run [degree]
+    #[arg(long, default_value_t = 120.0)]
+    pub travel_deg: f64,
+    /// There is no viscous friction besides the motor's own: the rig file's R_ohm alone makes newton metres of volts
+    #[arg(long)]
+    pub no_viscous: bool,
+    /// Take this recording of such a test (voltage_v, theta_rad, alpha_rad) in place of a rig
+    #[arg(long, conflicts_with_all = ["port", "seed", "repeats", "keep"])]
+    pub from: Option<PathBuf>,
+    /// Names of a --from recording's white-space columns, in order
+    #[arg(long, value_delimiter = ',', requires = "from")]
+    pub columns: Vec<String>,
+    /// Write what was recorded into this CSV file
+    #[arg(long)]
+    pub keep: Option<PathBuf>,
+    /// Write a rig file with the friction found: that of --rig, else the paper's, with these numbers
+    #[arg(long, requires = "friction")]
+    pub write_rig: Option<PathBuf>,
+    /// Draw voltage against speed with its 95 % band into this folder
+    #[arg(long, requires = "friction")]
+    pub plots: Option<PathBuf>,
+    /// Write over files that are not of the kind to be written
+    #[arg(long)]
+    pub force: bool,
     /// Slope of the ramp [V/s]
     #[arg(long, default_value_t = RAMP.rate_v_s)]
     pub slope: f64,
