@@ -57,9 +57,8 @@ impl<R: Read> TimedTable<R> {
             clock.take(*time_s, mark).map_err(|late| at(late, &self.source))?;
         }
         self.samples += count;
-        match &self.clock {
-            Some((clock, _)) => clock.check().map_err(|late| at(late, &self.source))?,
-            None => {}
+        if let Some((clock, _)) = &self.clock {
+            clock.check().map_err(|late| at(late, &self.source))?;
         }
         Ok(count)
     }
