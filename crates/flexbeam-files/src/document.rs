@@ -7,9 +7,11 @@ use crate::misfit::{Misfit, Step};
 use crate::provenance::Provenance;
 use crate::run_file::RunOrigin;
 use crate::tree::Node;
-use crate::write::{Overwrite, Written, check_free_for_schema, read_bytes, write_bytes};
+use crate::write::{Overwrite, Written, check_free_for_schema, read_bytes, refused, write_bytes};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
@@ -175,13 +177,33 @@ pub(crate) fn fault_under(source: &Path, keys: &[&str], fault: Fault) -> Error {
 ///
 /// Errors: those of [`read_bytes`]; [`Fault::Syntax`] for a document that is damaged.
 pub fn schema_of(path: &Path) -> Result<Option<String>, Error> {
-    let bytes = read_bytes(path)?;
-    match std::str::from_utf8(&bytes) {
-        Ok(text) if looks_like_toml(text) => {
-            let table = parse_table(text, path, Tried::Read)?;
+    match document_text(path)? {
+        Some(text) => {
+            let table = parse_table(&text, path, Tried::Read)?;
             Ok(table.get(SCHEMA_KEY).and_then(|schema| schema.as_ref().as_str()).map(String::from))
         }
-        _ => Ok(RunOrigin::of(&bytes).map(|run| run.schema)),
+        None => Ok(RunOrigin::of_file(path).map(|run| run.schema)),
+    }
+}
+
+/// The text of a document; nothing for any other file, which may be of any length and is not held.
+///
+/// Errors: those of [`read_bytes`].
+pub(crate) fn document_text(path: &Path) -> Result<Option<String>, Error> {
+    /// Longer comments before the first key no document has.
+    const HEAD: u64 = 1 << 16;
+    let refused = |error| refused(Tried::Read, path, &error);
+    let mut head = Vec::new();
+    File::open(path).map_err(refused)?.take(HEAD).read_to_end(&mut head).map_err(refused)?;
+    let text = match std::str::from_utf8(&head) {
+        Ok(text) => text,
+        // The head may end within a character.
+        Err(error) if error.error_len().is_none() => str::from_utf8(&head[..error.valid_up_to()]).unwrap_or_default(),
+        Err(_) => return Ok(None),
+    };
+    match looks_like_toml(text) {
+        true => Ok(String::from_utf8(read_bytes(path)?).ok()),
+        false => Ok(None),
     }
 }
 

@@ -1,12 +1,14 @@
 //! Each thing that can be wrong with a file, as found and needed.
 
+mod hint;
 mod words;
 
+use crate::mat_file::MatFault;
 use crate::run_file::RunFault;
 use crate::table::TableFault;
 use std::io;
+use words::counted;
 pub(crate) use words::six_digits;
-use words::{counted, schema_hint};
 
 /// What is wrong; every variant carries its numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,6 +85,8 @@ pub enum Fault {
     NoSignals,
     /// Neither a time column nor a period given.
     NoPeriod,
+    /// No time axis where one is needed.
+    NoTime,
     /// A period that is not a positive number.
     Period {
         /// The period.
@@ -222,6 +226,8 @@ pub enum Fault {
     },
     /// A table whose spelling or clock is wrong.
     Table(TableFault),
+    /// A file of MATLAB's in which something is wrong.
+    Mat(MatFault),
     /// A recording of a run in which something is wrong.
     Run(RunFault),
     /// A file that stands already, with other content.
@@ -263,6 +269,7 @@ impl Fault {
             Fault::UnknownColumn { name, .. } => format!("no column {name}"),
             Fault::NoSignals => "a time column and nothing else".into(),
             Fault::NoPeriod => "neither a time column nor a period".into(),
+            Fault::NoTime => "no time axis".into(),
             Fault::Period { period_s } => format!("a sample period of {period_s} s"),
             Fault::UnequalPeriods { found_s, .. } => {
                 format!("unequal sample periods: {} s to this row from the one before", six_digits(*found_s))
@@ -286,6 +293,7 @@ impl Fault {
             Fault::Length { key, found, .. } => format!("{key} has {}", counted(*found, "entry", "")),
             Fault::EmptyList { key } => format!("nothing in {key}"),
             Fault::Table(fault) => fault.found(),
+            Fault::Mat(fault) => fault.found(),
             Fault::Run(fault) => fault.found(),
             Fault::Exists => "a file of that name with other content".into(),
             Fault::IsFolder => "a folder".into(),
@@ -311,6 +319,7 @@ impl Fault {
             Fault::NamesAndColumns { .. } => "one name for each column".into(),
             Fault::UnknownColumn { available, .. } => format!("one of {}", available.join(", ")),
             Fault::NoPeriod => "the sample period".into(),
+            Fault::NoTime => "the instants to resample from".into(),
             Fault::Period { .. } => "a positive number of seconds".into(),
             Fault::UnequalPeriods { needed_s, tolerance, .. } => {
                 format!("{} s within {} %", six_digits(*needed_s), 100.0 * tolerance)
@@ -331,6 +340,7 @@ impl Fault {
             Fault::Length { needed, .. } => needed.to_string(),
             Fault::EmptyList { .. } => "at least one entry".into(),
             Fault::Table(fault) => fault.needed(),
+            Fault::Mat(fault) => fault.needed(),
             Fault::Run(fault) => fault.needed(),
             Fault::Exists => "a name that is free".into(),
             Fault::IsFolder => "a file".into(),
@@ -339,63 +349,6 @@ impl Fault {
             Fault::NoFile => "an existing file".into(),
             Fault::NoFolder => "an existing folder".into(),
             Fault::Io { .. } => "the permission and the space to do it".into(),
-        }
-    }
-
-    /// What the user may do about it.
-    pub fn hint(&self) -> String {
-        match self {
-            Fault::Empty => "is it the right file?".into(),
-            Fault::NotText => "save it again as plain text, UTF-8".into(),
-            Fault::NotANumber { text, .. } if text.contains(',') => {
-                "a decimal comma stands between digits, once; signs between thousands are not read".into()
-            }
-            Fault::NotANumber { .. } | Fault::MissingValue { .. } => {
-                "cut the recording before or after this row; a gap cannot be filled by guessing".into()
-            }
-            Fault::NotFinite { .. } => "something went wrong where this number was made; make the file again".into(),
-            Fault::Ragged { found, needed } if *found == 2 * needed => {
-                "are these decimal commas? Then save with semicolons between the columns".into()
-            }
-            Fault::Ragged { .. } => "complete the row, or remove it if it is the last one".into(),
-            Fault::TooFewRows { .. } => "record for longer".into(),
-            Fault::NoHeader { .. } => "name them: --columns time,u,y (_ leaves a column out)".into(),
-            Fault::EmptyName { .. } => "name it, or take the column out".into(),
-            Fault::DuplicateName { .. } => "rename one of the two".into(),
-            Fault::NamesAndColumns { names, columns } if names > columns => "name only what the file has".into(),
-            Fault::NamesAndColumns { .. } => "_ in the place of a name leaves a column out".into(),
-            Fault::UnknownColumn { nearest, .. }
-            | Fault::UnknownKey { nearest, .. }
-            | Fault::Choice { nearest, .. } => nearest
-                .as_ref()
-                .map_or_else(|| "names are spelt as in the file".into(), |n| format!("did you mean {n}?")),
-            Fault::NoSignals => "record what goes in and what comes out beside the time".into(),
-            Fault::NoPeriod | Fault::Period { .. } => "give it in seconds: --period 0.001".into(),
-            Fault::UnequalPeriods { .. } => "a sample is missing or doubled here; cut there, or resample".into(),
-            Fault::PeriodsDiffer { .. } => "leave --period out to use the time column's".into(),
-            Fault::Syntax { .. } => "words stand in quotes, numbers do not, arrays in [ ] with commas".into(),
-            Fault::NoSchema { .. } => "is it the right kind of file? Its first line names the schema".into(),
-            Fault::Schema { found, needed } => schema_hint(found, needed),
-            Fault::MissingKey { .. } | Fault::EmptyList { .. } => "add it, or make the file again".into(),
-            Fault::OneOf { found: 0, .. } => "add the one that fits".into(),
-            Fault::OneOf { .. } => "take one of the two out".into(),
-            Fault::WrongType { .. } => "compare with a file that flexbeam wrote".into(),
-            Fault::Range { .. } => "check the sign and the unit in the key's name".into(),
-            Fault::Beyond { .. } => "tighten the setting, or loosen the limit as far as the rig permits".into(),
-            Fault::NoSuchFile { .. } => "make it, or name the one that is meant".into(),
-            Fault::Shape { .. } | Fault::Length { .. } => {
-                "A has a row for each state, B a column for each input, C a row for each output; rows are equally long"
-                    .into()
-            }
-            Fault::Table(fault) => fault.hint(),
-            Fault::Run(fault) => fault.hint(),
-            Fault::Exists => "choose another name, or allow replacing it with --force".into(),
-            Fault::IsFolder => "name a file in it".into(),
-            Fault::IsFile => "choose another name".into(),
-            Fault::NotEmpty => "choose another name, or replace the files of the same names in it with --force".into(),
-            Fault::NoFile => "paths count from the folder where the command runs".into(),
-            Fault::NoFolder => "make the folder first".into(),
-            Fault::Io { .. } => "look at the file's permissions and the free space".into(),
         }
     }
 }

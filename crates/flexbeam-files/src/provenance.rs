@@ -4,13 +4,12 @@
 //! Deliberately absent: the clock.
 
 use crate::Document;
-use crate::document::{SCHEMA_KEY, looks_like_toml, parse_table};
+use crate::document::{SCHEMA_KEY, document_text, parse_table};
 use crate::error::{Error, Tried};
-use crate::hash::sha256_hex;
+use crate::hash::sha256_of;
 use crate::note::Note;
 use crate::run_file::RunOrigin;
 use crate::tree::Node;
-use crate::write::read_bytes;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
@@ -45,10 +44,10 @@ pub struct Parent {
 impl Parent {
     /// The file at `path` as the parent of the file at `child`.
     ///
-    /// Errors: those of [`read_bytes`].
+    /// Errors: those of [`read_bytes`](crate::read_bytes).
     pub fn of(path: &Path, child: &Path) -> Result<Parent, Error> {
-        let bytes = read_bytes(path)?;
-        Ok(Parent { path: relative(path, child), sha256: sha256_hex(&bytes), schema: Origin::of(path, &bytes).schema })
+        let sha256 = sha256_of(path)?;
+        Ok(Parent { path: relative(path, child), schema: Origin::of(path, &sha256).schema, sha256 })
     }
 }
 
@@ -91,11 +90,11 @@ pub struct Step {
 /// now; a file that was met already is listed, but not walked on from again. The parents of a recording in CSV stand in the
 /// [`Note`] beside it, which counts only while the recording is the one it was written for; those of a run, in its metadata.
 ///
-/// Errors: those of [`read_bytes`], for the start only.
+/// Errors: those of [`read_bytes`](crate::read_bytes), for the start only.
 pub fn trace(path: &Path) -> Result<Vec<Step>, Error> {
-    let bytes = read_bytes(path)?;
+    let sha256 = sha256_of(path)?;
     let mut walk = Walk { met: HashSet::new(), steps: Vec::new() };
-    walk.visit(0, path.to_path_buf(), Some(bytes), None);
+    walk.visit(0, path.to_path_buf(), Some(sha256), None);
     Ok(walk.steps)
 }
 
@@ -106,9 +105,8 @@ struct Walk {
 
 impl Walk {
     /// `stated` is what the child says of this file.
-    fn visit(&mut self, generation: usize, path: PathBuf, bytes: Option<Vec<u8>>, stated: Option<&Parent>) {
-        let origin = bytes.as_ref().map(|bytes| Origin::of(&path, bytes)).unwrap_or_default();
-        let sha256_found = bytes.map(|bytes| sha256_hex(&bytes));
+    fn visit(&mut self, generation: usize, path: PathBuf, sha256_found: Option<String>, stated: Option<&Parent>) {
+        let origin = sha256_found.as_ref().map(|sha256| Origin::of(&path, sha256)).unwrap_or_default();
         let sha256_expected = stated.map(|parent| parent.sha256.clone());
         let provenance = origin.provenance.unwrap_or_default();
         let first_time = self.met.insert(path.canonicalize().unwrap_or_else(|_| path.clone()));
@@ -124,8 +122,8 @@ impl Walk {
         });
         for parent in provenance.parents.iter().filter(|_| first_time) {
             let path = folder.join(&parent.path);
-            let bytes = read_bytes(&path).ok();
-            self.visit(generation + 1, path, bytes, Some(parent));
+            let sha256 = sha256_of(&path).ok();
+            self.visit(generation + 1, path, sha256, Some(parent));
         }
     }
 }
@@ -149,14 +147,14 @@ struct Origin {
 }
 
 impl Origin {
-    /// What `bytes` say, or the note beside `path` when they are a recording that cannot.
-    fn of(path: &Path, bytes: &[u8]) -> Origin {
-        if let Some(RunOrigin { schema, provenance }) = RunOrigin::of(bytes) {
+    /// What the file says, or the note beside it when it is a recording that cannot.
+    fn of(path: &Path, sha256: &str) -> Origin {
+        if let Some(RunOrigin { schema, provenance }) = RunOrigin::of_file(path) {
             return Origin { schema: Some(schema), provenance };
         }
-        match std::str::from_utf8(bytes) {
-            Ok(text) if looks_like_toml(text) => Origin::in_document(text, path),
-            _ => Origin::in_note(path, bytes),
+        match document_text(path) {
+            Ok(Some(text)) => Origin::in_document(&text, path),
+            _ => Origin::in_note(path, sha256),
         }
     }
 
@@ -167,9 +165,9 @@ impl Origin {
         Origin { schema, provenance: provenance.and_then(Result::ok) }
     }
 
-    fn in_note(path: &Path, bytes: &[u8]) -> Origin {
+    fn in_note(path: &Path, sha256: &str) -> Origin {
         match Note::read(&Note::path_for(path)) {
-            Ok(note) if note.sha256 == sha256_hex(bytes) => {
+            Ok(note) if note.sha256 == sha256 => {
                 Origin { schema: Some(Note::SCHEMA.into()), provenance: note.provenance }
             }
             _ => Origin::default(),

@@ -1,14 +1,18 @@
 //! Recordings: what was measured on a rig, sample by sample.
 //!
 //! Enters: text files of any of the kinds that `csv` reads, and recordings of runs. Leaves: [`Recording`], with its period
-//! established and its names taken apart. Deliberately absent: filtering, resampling, filling of gaps.
+//! established and its names taken apart. Deliberately absent: filtering, filling of gaps.
 
 use crate::columns::{ColumnName, nearest};
 use crate::csv;
 use crate::error::{Error, Tried};
 use crate::fault::Fault;
+use crate::foreign;
+use crate::gathered::Gathered;
 use crate::hash::sha256_hex;
-use crate::run_file::{RunRecording, is_mcap};
+use crate::mat_file::{self, is_mat};
+use crate::resample::{Resampled, resampled};
+use crate::run_file::{RunOrigin, RunRecording, is_mcap};
 use crate::table::Rows;
 use crate::timed_table::TimedTable;
 use crate::write::{Overwrite, Written, read_bytes, write_bytes};
@@ -79,9 +83,24 @@ impl Recording {
     /// # Ok::<(), flexbeam_files::Error>(())
     /// ```
     pub fn parse(bytes: &[u8], source: &Path, layout: &Layout) -> Result<Recording, Error> {
+        let recording = Recording::as_recorded(bytes, source, layout)?;
+        match layout.resample_s {
+            Some(period_s) => recording.resampled(period_s),
+            None => Ok(recording),
+        }
+    }
+
+    /// With the steps that the file has.
+    fn as_recorded(bytes: &[u8], source: &Path, layout: &Layout) -> Result<Recording, Error> {
+        if is_mcap(bytes) && RunOrigin::of(bytes).is_none() {
+            return Recording::gathered(foreign::parse(bytes, source)?, bytes, source, layout);
+        }
         if is_mcap(bytes) {
             let run = RunRecording::parse(bytes, source)?.agreeing_with(layout)?;
             return Recording::of_run(&run).map_err(|fault| Error::new(Tried::Read, source, fault));
+        }
+        if is_mat(bytes) {
+            return Recording::gathered(mat_file::parse(bytes, source, layout)?, bytes, source, layout);
         }
         let mut table = TimedTable::open(bytes, source, layout)?;
         let mut rows = Rows::default();
@@ -95,6 +114,30 @@ impl Recording {
             source: source.to_path_buf(),
             sha256: sha256_hex(bytes),
             notice: table.notice(),
+        })
+    }
+
+    /// On an even clock.
+    ///
+    /// Errors: [`Fault::NoTime`]; those of [`resampled`].
+    fn resampled(self, period_s: f64) -> Result<Recording, Error> {
+        let resampled = match &self.time_s {
+            Some(time_s) => resampled(&self.signals, time_s, period_s),
+            None => Err(Fault::NoTime),
+        };
+        let Resampled { signals, time_s, notice } =
+            resampled.map_err(|fault| Error::new(Tried::Read, &self.source, fault))?;
+        let notice = self.notice.iter().cloned().chain([notice]).collect::<Vec<_>>().join("\n");
+        Ok(Recording { signals, time_s: Some(time_s), notice: Some(notice), ..self })
+    }
+
+    fn gathered(gathered: Gathered, bytes: &[u8], source: &Path, layout: &Layout) -> Result<Recording, Error> {
+        Ok(Recording {
+            signals: gathered.signals(source, layout)?,
+            time_s: gathered.time_s,
+            source: source.to_path_buf(),
+            sha256: sha256_hex(bytes),
+            notice: gathered.notice.map(|notice| format!("{} was read as: {notice}", source.display())),
         })
     }
 

@@ -20,6 +20,7 @@ mod messages;
 mod reader;
 mod records;
 mod sample;
+mod stream;
 mod stretch;
 mod summary;
 mod topics;
@@ -38,4 +39,6 @@ pub use writer::RunWriter;
 
 pub(crate) use header::{RunOrigin, excitation_of_run};
 pub(crate) use messages::by_key;
+pub(crate) use reader::{each_record, options as reader_options};
 pub(crate) use records::is_mcap;
+pub(crate) use stream::RunChunks;

@@ -17,6 +17,7 @@ mod stream;
 
 pub use fault::TableFault;
 
+pub(crate) use header::check_names;
 pub(crate) use lines::Mark;
 pub(crate) use row::Rows;
 pub(crate) use stream::Table;

@@ -241,13 +241,12 @@ fn an_mcap_file_of_somebody_else() {
     writer.write_to_known_channel(&message, b"{}").unwrap();
     writer.finish().unwrap();
     let bytes = writer.into_inner().into_inner();
-    for error in [
-        parse(&bytes).unwrap_err(),
-        Recording::parse(&bytes, Path::new("other.dat"), &Layout::default()).unwrap_err(),
-        parse(b"time_s,u\n").unwrap_err(),
-    ] {
+    for error in [parse(&bytes).unwrap_err(), parse(b"time_s,u\n").unwrap_err()] {
         assert_eq!(*error.fault, Fault::Run(RunFault::Foreign), "{error}");
     }
+    let error = Recording::parse(&bytes, Path::new("other.dat"), &Layout::default()).unwrap_err();
+    let there = "/signals (json, 1 messages)".into();
+    assert_eq!(*error.fault, RunFault::NoNumbers { there }.into(), "{error}");
 }
 
 #[test]
@@ -463,4 +462,49 @@ fn a_walk_goes_through_a_run() {
         ]
     );
     assert_eq!(steps[0].command.as_deref(), Some("flexbeam run controller.toml"));
+}
+
+/// In chunks, from the disk: the stretch, its numbers and what is said are those of the whole reader, wherever the file was cut off.
+#[test]
+fn chunks_of_a_run_are_the_whole_reader_s() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut writer = RunWriter::new(Cursor::new(Vec::new()), &header()).unwrap();
+    for tick in (0..900).filter(|tick| *tick != 333) {
+        let finite = RunSample { u_v: 1.0, alpha_rad: 0.5, ..sample(tick) };
+        let phase = if tick < 20 { RunPhase::Armed } else { RunPhase::Running } as u8;
+        writer.sample(&RunSample { phase, stale: u8::from(tick == 700), ..finite }).unwrap();
+        if (tick + 1) % FLUSH_TICKS == 0 {
+            writer.flush().unwrap();
+        }
+    }
+    let bytes = writer.finish(&serde_json::json!({})).unwrap().into_inner();
+    let chunked = |layout: &Layout| -> Result<_, Error> {
+        let mut chunks = Chunks::open(&path, layout)?.of_width(64);
+        let mut data = Vec::new();
+        for chunk in chunks.by_ref() {
+            data.extend(chunk?.iter().map(|x| x.to_bits()));
+        }
+        Ok((chunks.names().to_vec(), data, chunks.period_s(), chunks.notice()))
+    };
+    let mut read = 0;
+    let wrong = [&bytes[..bytes.len() / 2], &[1], &bytes[bytes.len() / 2 + 1..]].concat();
+    let cuts = (0..bytes.len()).step_by(331).chain([bytes.len() - 1, bytes.len()]);
+    for file in cuts.map(|cut| &bytes[..cut]).chain([&wrong[..]]).filter(|file| file.len() > 8) {
+        fs::write(&path, file).unwrap();
+        let whole = Recording::parse(file, &path, &Layout::default()).map(|recording| {
+            let bits: Vec<u64> = recording.signals.data.iter().map(|x| x.to_bits()).collect();
+            (recording.signals.names, bits, Some(recording.signals.period_s), recording.notice)
+        });
+        read += usize::from(whole.is_ok());
+        assert_eq!(chunked(&Layout::default()), whole, "{} bytes", file.len());
+    }
+    assert!(read > 20, "{read}");
+    fs::write(&path, &bytes).unwrap();
+    assert_eq!(chunked(&Layout::default()).unwrap().1.len(), (700 - 334) * RunSample::SIGNALS.len());
+    let fault = |layout| *chunked(&layout).unwrap_err().fault;
+    assert_eq!(fault(Layout { columns: Some(vec!["u".into()]), ..Layout::default() }), RunFault::Named.into());
+    assert_eq!(fault(Layout { resample_s: Some(1e-3), ..Layout::default() }), RunFault::OnTime.into());
+    let expected = Fault::PeriodsDiffer { in_file_s: 0.001, given_s: 0.002, tolerance: PERIOD_TOLERANCE };
+    assert_eq!(fault(Layout { period_s: Some(0.002), ..Layout::default() }), expected);
 }

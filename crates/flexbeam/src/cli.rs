@@ -90,7 +90,7 @@ pub struct Reproduce {
 /// `flexbeam identify`
 #[derive(Args, Debug)]
 pub struct Identify {
-    /// Recording: CSV with a header, white-space columns named by --columns, or the MCAP file of a run
+    /// Recording: a table in text (columns without names are named by --columns), a MATLAB file, or the MCAP file of a run
     pub recording: PathBuf,
     /// Input columns
     #[arg(long, value_delimiter = ',', default_value = "voltage_v")]
@@ -98,12 +98,15 @@ pub struct Identify {
     /// Output columns
     #[arg(long, value_delimiter = ',', default_value = "theta_rad,alpha_rad")]
     pub outputs: Vec<String>,
-    /// Names of white-space columns, in order
+    /// Names of the columns, in order, in place of those in the file; _ leaves one out
     #[arg(long, value_delimiter = ',')]
     pub columns: Vec<String>,
     /// Sample period [s], where the file has no time column
     #[arg(long)]
     pub period: Option<f64>,
+    /// Interpolate a jittered time column to this period [s]
+    #[arg(long)]
+    pub resample: Option<f64>,
     /// Block rows i of the Hankel matrices; several compete on the estimating part [default: 20, with integrators 20,40,60]
     #[arg(long, value_delimiter = ',')]
     pub block_rows: Vec<usize>,
@@ -345,12 +348,15 @@ pub enum Law {
 pub struct Show {
     /// A recording, model, controller, certificate or rig file, or a project
     pub file: PathBuf,
-    /// Names of a recording's white-space columns, in order
+    /// Names of a recording's columns, in order, in place of those in the file; _ leaves one out
     #[arg(long, value_delimiter = ',')]
     pub columns: Vec<String>,
     /// Sample period [s] of a recording without a time column
     #[arg(long)]
     pub period: Option<f64>,
+    /// Interpolate a jittered time column to this period [s]
+    #[arg(long)]
+    pub resample: Option<f64>,
     /// Draw a run into this folder: angles, deflection, voltages, lateness
     #[arg(long)]
     pub plots: Option<PathBuf>,

@@ -60,8 +60,12 @@ fn of_tables_only(arguments: &cli::Export) -> Result<(), Idle> {
     }
 }
 
-fn table_options(arguments: &cli::Export) -> [(&'static str, bool); 2] {
-    [("--columns", !arguments.columns.is_empty()), ("--period", arguments.period.is_some())]
+fn table_options(arguments: &cli::Export) -> [(&'static str, bool); 3] {
+    [
+        ("--columns", !arguments.columns.is_empty()),
+        ("--period", arguments.period.is_some()),
+        ("--resample", arguments.resample.is_some()),
+    ]
 }
 
 /// The first option that would do nothing.

@@ -142,7 +142,7 @@ fn method_name(method: flexbeam_ident::Method) -> &'static str {
 
 fn recording(arguments: &cli::Identify) -> Result<Recording, Failure> {
     let columns = Some(arguments.columns.clone()).filter(|columns| !columns.is_empty());
-    let layout = Layout { columns, period_s: arguments.period, ..Layout::default() };
+    let layout = Layout { columns, period_s: arguments.period, resample_s: arguments.resample };
     Ok(Recording::read(&arguments.recording, &layout)?.into_si())
 }
 

@@ -73,6 +73,9 @@ fn system(model: &Model) -> Result<StateSpace, flexbeam_lti::Error> {
 
 fn recording(arguments: &cli::Show) -> Result<(), Failure> {
     let content = Recording::read(&arguments.file, &layout(arguments))?;
+    if let Some(notice) = &content.notice {
+        eprintln!("{notice}");
+    }
     let signals = &content.signals;
     let summary =
         RecordingSummary { samples: signals.samples(), period_s: signals.period_s, columns: columns(signals) };
@@ -96,7 +99,7 @@ fn of_run(arguments: &cli::Show) -> Result<(), Failure> {
 
 fn layout(arguments: &cli::Show) -> Layout {
     let columns = Some(arguments.columns.clone()).filter(|columns| !columns.is_empty());
-    Layout { columns, period_s: arguments.period, ..Layout::default() }
+    Layout { columns, period_s: arguments.period, resample_s: arguments.resample }
 }
 
 fn columns(signals: &Signals) -> Vec<ColumnSummary> {

@@ -1,6 +1,7 @@
 //! Where a run came from: the metadata record `flexbeam` and the controller file.
 
 use super::records::{Part, Parts};
+use super::stream::metadata_of_file;
 use crate::csv::instant;
 use crate::excitation::Excitation;
 use crate::fault::Fault;
@@ -8,6 +9,7 @@ use crate::hash::sha256_hex;
 use crate::provenance::Provenance;
 use mcap::records::{Record, op};
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::str::FromStr;
 
 /// Text by name.
@@ -120,8 +122,16 @@ pub(crate) struct RunOrigin {
 
 impl RunOrigin {
     pub(crate) fn of(bytes: &[u8]) -> Option<RunOrigin> {
-        let metadata = metadata(&Parts::of(bytes)?.parts)?;
-        Some(RunOrigin { schema: metadata.get("schema")?.clone(), provenance: provenance(&metadata) })
+        RunOrigin::said(&metadata(&Parts::of(bytes)?.parts)?)
+    }
+
+    /// Of a file, of whatever length.
+    pub(crate) fn of_file(path: &Path) -> Option<RunOrigin> {
+        RunOrigin::said(&metadata_of_file(path).ok()??)
+    }
+
+    fn said(metadata: &Metadata) -> Option<RunOrigin> {
+        Some(RunOrigin { schema: metadata.get("schema")?.clone(), provenance: provenance(metadata) })
     }
 }
 
@@ -133,10 +143,13 @@ pub(crate) fn excitation_of_run(bytes: &[u8]) -> Option<Excitation> {
 
 /// The record `flexbeam`, where there is one.
 pub(super) fn metadata(parts: &[Part<'_>]) -> Option<Metadata> {
-    let records = parts.iter().filter(|part| part.opcode == op::METADATA);
-    let ours = |part: &Part<'_>| match mcap::parse_record(part.opcode, part.body) {
+    parts.iter().find_map(|part| metadata_in(part.opcode, part.body))
+}
+
+/// The record `flexbeam`, where this is it.
+pub(super) fn metadata_in(opcode: u8, body: &[u8]) -> Option<Metadata> {
+    match (opcode == op::METADATA).then(|| mcap::parse_record(opcode, body))? {
         Ok(Record::Metadata(record)) if record.name == RECORD => Some(record.metadata),
         _ => None,
-    };
-    records.into_iter().find_map(ours)
+    }
 }

@@ -3,7 +3,7 @@
 use super::fault::RunFault;
 use super::header::{RunHeader, metadata};
 use super::messages::{LiveSettings, RunEvent};
-use super::records::{Part, Parts, attachment};
+use super::records::{Parts, attachment};
 use super::sample::{RunColumns, RunSample};
 use super::topics::RunTopic;
 use crate::error::{Error, Tried};
@@ -23,7 +23,7 @@ pub(super) const CONTROLLER: &str = "controller.toml";
 
 /// Longest chunk that is taken for one [bytes]; a hundred times what the writer makes. A damaged length must not fill
 /// memory.
-const LONGEST_CHUNK: usize = 1 << 28;
+pub(super) const LONGEST_CHUNK: usize = 1 << 28;
 
 /// A recording of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,6 +53,18 @@ pub struct CutOff {
     pub whole: usize,
     /// What stands after it and was not used [bytes].
     pub unused: usize,
+}
+
+impl CutOff {
+    /// What a person should know: of a file with so many whole samples.
+    pub(super) fn notice(&self, source: &Path, samples: usize) -> String {
+        format!(
+            "{} ends too early, as after a power loss: {samples} samples up to byte {} are whole, {} bytes after it are not used",
+            source.display(),
+            self.whole,
+            self.unused
+        )
+    }
 }
 
 impl RunRecording {
@@ -88,20 +100,28 @@ impl RunRecording {
     /// Errors: [`Fault::Run`] with [`RunFault::Named`] for names of columns; [`Fault::Period`], [`Fault::PeriodsDiffer`] for a
     /// period that is not the recording's.
     pub fn agreeing_with(mut self, layout: &Layout) -> Result<RunRecording, Error> {
-        let period_s = match layout.columns {
-            Some(_) => Err(RunFault::Named.into()),
-            None => agreed(self.header.period_s, layout.period_s),
-        };
-        self.header.period_s = period_s.map_err(|fault| Error::new(Tried::Read, &self.source, fault))?;
+        self.header.period_s =
+            agreed_period(&self.header, layout).map_err(|fault| Error::new(Tried::Read, &self.source, fault))?;
         Ok(self)
     }
 }
 
+/// A run's period, where what the user says of the run can be.
+///
+/// Errors: [`RunFault::Named`], [`RunFault::OnTime`], [`Fault::Period`], [`Fault::PeriodsDiffer`].
+pub(super) fn agreed_period(header: &RunHeader, layout: &Layout) -> Result<f64, Fault> {
+    match layout {
+        Layout { columns: Some(_), .. } => Err(RunFault::Named.into()),
+        Layout { resample_s: Some(_), .. } => Err(RunFault::OnTime.into()),
+        Layout { period_s, .. } => agreed(header.period_s, *period_s),
+    }
+}
+
 /// What has been read so far.
-struct Content {
-    header: RunHeader,
+pub(super) struct Content {
+    pub header: RunHeader,
     topics: HashMap<u16, String>,
-    samples: RunColumns,
+    pub samples: RunColumns,
     settings: Vec<LiveSettings>,
     events: Vec<RunEvent>,
     report: Option<serde_json::Value>,
@@ -119,7 +139,9 @@ impl Content {
         }
         let mut chunks = LinearReader::new_with_options(options());
         for (k, part) in file.parts.iter().enumerate() {
-            let Err(what) = content.part(part, bytes, &mut chunks) else { continue };
+            let record = &bytes[part.offset..][..RECORD_HEAD + part.body.len()];
+            let before = || crc32fast::hash(&bytes[..part.offset]);
+            let Err(what) = content.part(part.opcode, record, before, &mut chunks) else { continue };
             let last = !file.parts[k + 1..].iter().any(|part| part.opcode == op::CHUNK);
             if file.finished || part.opcode != op::CHUNK || !last {
                 return Err(RunFault::Damaged { byte: part.offset, what }.into());
@@ -129,7 +151,7 @@ impl Content {
         Ok((content, file.cut))
     }
 
-    fn new(header: RunHeader) -> Content {
+    pub fn new(header: RunHeader) -> Content {
         Content {
             header,
             topics: HashMap::new(),
@@ -140,32 +162,28 @@ impl Content {
         }
     }
 
+    /// Takes a record with its head; `sum_before` is the check sum over everything before it.
+    ///
     /// Errors: what is wrong with the record, in words.
-    fn part(&mut self, part: &Part<'_>, bytes: &[u8], chunks: &mut LinearReader) -> Result<(), String> {
-        match part.opcode {
-            op::CHUNK => self.chunk(&bytes[part.offset..][..RECORD_HEAD + part.body.len()], chunks),
-            op::ATTACHMENT => self.attachment(part.body),
-            op::DATA_END => data_end(part, bytes),
-            opcode => self.record(opcode, part.body),
+    pub fn part(
+        &mut self,
+        opcode: u8,
+        record: &[u8],
+        sum_before: impl FnOnce() -> u32,
+        chunks: &mut LinearReader,
+    ) -> Result<(), String> {
+        let body = &record[RECORD_HEAD..];
+        match opcode {
+            op::CHUNK => self.chunk(record, chunks),
+            op::ATTACHMENT => self.attachment(body),
+            op::DATA_END => data_end(body, sum_before()),
+            opcode => self.record(opcode, body),
         }
     }
 
     /// The records in a chunk, once its check sum is found to be right.
     fn chunk(&mut self, record: &[u8], chunks: &mut LinearReader) -> Result<(), String> {
-        let mut rest = record;
-        while let Some(event) = chunks.next_event() {
-            match event.map_err(|error| error.to_string())? {
-                LinearReadEvent::ReadRequest(_) if rest.is_empty() => return Ok(()),
-                LinearReadEvent::ReadRequest(wanted) => {
-                    let (next, after) = rest.split_at(wanted.min(rest.len()));
-                    chunks.insert(next.len()).copy_from_slice(next);
-                    chunks.notify_read(next.len());
-                    rest = after;
-                }
-                LinearReadEvent::Record { opcode, data } => self.record(opcode, data)?,
-            }
-        }
-        Ok(())
+        each_record(record, chunks, |what| what, |opcode, data| self.record(opcode, data))
     }
 
     fn record(&mut self, opcode: u8, body: &[u8]) -> Result<(), String> {
@@ -210,10 +228,35 @@ impl Content {
     }
 }
 
-/// Kind and length before a record's body [bytes].
-const RECORD_HEAD: usize = 1 + size_of::<u64>();
+/// The records in `bytes`, those in chunks too; where the bytes end within one, it is left.
+///
+/// Errors: those of `take`; what the reader finds wrong, made an error by `wrong`.
+pub(crate) fn each_record<E>(
+    bytes: &[u8],
+    reader: &mut LinearReader,
+    wrong: impl Fn(String) -> E,
+    mut take: impl FnMut(u8, &[u8]) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut rest = bytes;
+    while let Some(event) = reader.next_event() {
+        match event.map_err(|error| wrong(error.to_string()))? {
+            LinearReadEvent::ReadRequest(_) if rest.is_empty() => return Ok(()),
+            LinearReadEvent::ReadRequest(wanted) => {
+                let (next, after) = rest.split_at(wanted.min(rest.len()));
+                reader.insert(next.len()).copy_from_slice(next);
+                reader.notify_read(next.len());
+                rest = after;
+            }
+            LinearReadEvent::Record { opcode, data } => take(opcode, data)?,
+        }
+    }
+    Ok(())
+}
 
-fn options() -> LinearReaderOptions {
+/// Kind and length before a record's body [bytes].
+pub(super) const RECORD_HEAD: usize = 1 + size_of::<u64>();
+
+pub(crate) fn options() -> LinearReaderOptions {
     LinearReaderOptions::default()
         .with_skip_start_magic(true)
         .with_skip_end_magic(true)
@@ -221,10 +264,9 @@ fn options() -> LinearReaderOptions {
         .with_record_length_limit(LONGEST_CHUNK)
 }
 
-/// The check sum over everything before the end of the data.
-fn data_end(part: &Part<'_>, bytes: &[u8]) -> Result<(), String> {
-    let saved = part.body.first_chunk().copied().map(u32::from_le_bytes).ok_or("an end without a check sum")?;
-    let found = crc32fast::hash(&bytes[..part.offset]);
+/// Compares the check sum over everything before the end of the data.
+fn data_end(body: &[u8], found: u32) -> Result<(), String> {
+    let saved = body.first_chunk().copied().map(u32::from_le_bytes).ok_or("an end without a check sum")?;
     if saved != 0 && saved != found {
         return Err(format!("the check sum of all before is {found:08x}, not {saved:08x}"));
     }

@@ -2,7 +2,7 @@
 
 use super::fault::RunFault;
 use super::reader::RunRecording;
-use super::sample::{RunPhase, RunSample};
+use super::sample::{RunColumns, RunPhase, RunSample};
 use crate::fault::Fault;
 use flexbeam_lti::{Mat, Signals};
 use std::ops::Range;
@@ -24,28 +24,9 @@ impl RunRecording {
     /// The longest stretch of samples of the running phase in which each tick follows the one before and each measurement is
     /// fresh; the first of several.
     pub fn longest_stretch(&self) -> Stretch {
-        let columns = &self.samples;
-        let running = |k: usize| columns.phase[k] == RunPhase::Running as u8;
-        let good = |k: usize| running(k) && columns.stale[k] == 0;
-        let follows = |k: usize| columns.tick[k - 1].checked_add(1) == Some(columns.tick[k]);
-        let mut found = Stretch { samples: 0..0, running: 0, missed: 0, stale: 0 };
-        let mut start = 0;
-        for k in 0..columns.samples() {
-            found.running += usize::from(running(k));
-            found.stale += usize::from(running(k) && columns.stale[k] != 0);
-            if k > 0 && running(k) && running(k - 1) {
-                found.missed += columns.tick[k].saturating_sub(columns.tick[k - 1]).saturating_sub(1);
-            }
-            if !good(k) {
-                start = k + 1;
-            } else if k > start && !follows(k) {
-                start = k;
-            }
-            if k + 1 > start && k + 1 - start > found.samples.len() {
-                found.samples = start..k + 1;
-            }
-        }
-        found
+        let mut search = StretchSearch::default();
+        (0..self.samples.samples()).for_each(|k| search.take(&self.samples, k));
+        search.found()
     }
 
     /// These samples as signals: every field but the tick.
@@ -55,10 +36,7 @@ impl RunRecording {
         let names = RunSample::NAMES[1..].iter().map(|name| name.to_string()).collect::<Vec<_>>();
         let units = RunSample::UNITS[1..].iter().map(|unit| unit.to_string()).collect();
         let rows = names.len();
-        let data = samples.clone().filter_map(|k| self.samples.get(k)).flat_map(|sample| {
-            let [_, fields @ ..] = sample.values();
-            fields
-        });
+        let data = samples.clone().filter_map(|k| self.samples.get(k)).flat_map(|sample| signal_values(&sample));
         let data = Mat::from_iterator(rows, samples.len(), data);
         Signals { names, units, period_s: self.header.period_s, data }
     }
@@ -70,14 +48,55 @@ impl RunRecording {
 
     /// What a person should know of a file that was cut off.
     pub fn cut_off_notice(&self) -> Option<String> {
-        let cut = self.cut_off?;
-        Some(format!(
-            "{} ends too early, as after a power loss: {} samples up to byte {} are whole, {} bytes after it are not used",
-            self.source.display(),
-            self.samples.samples(),
-            cut.whole,
-            cut.unused
-        ))
+        Some(self.cut_off?.notice(&self.source, self.samples.samples()))
+    }
+}
+
+/// The fields of a sample but its tick.
+pub(super) fn signal_values(sample: &RunSample) -> [f64; RunSample::SIGNALS.len()] {
+    let [_, fields @ ..] = sample.values();
+    fields
+}
+
+/// The search for the longest stretch, while samples come.
+#[derive(Default)]
+pub(super) struct StretchSearch {
+    longest: Range<usize>,
+    running: usize,
+    missed: u64,
+    stale: usize,
+    /// Samples so far, and where the stretch began that the last one belongs to.
+    count: usize,
+    start: usize,
+    /// Tick and whether the controller ran, of the sample before.
+    before: Option<(u64, bool)>,
+}
+
+impl StretchSearch {
+    /// Takes sample k of `columns`, the next one of the file.
+    pub fn take(&mut self, columns: &RunColumns, k: usize) {
+        let (tick, stale) = (columns.tick[k], columns.stale[k] != 0);
+        let running = columns.phase[k] == RunPhase::Running as u8;
+        self.running += usize::from(running);
+        self.stale += usize::from(running && stale);
+        let follows = self.before.is_some_and(|(before, _)| before.checked_add(1) == Some(tick));
+        if let Some((before, true)) = self.before.filter(|_| running) {
+            self.missed += tick.saturating_sub(before).saturating_sub(1);
+        }
+        self.count += 1;
+        if !running || stale {
+            self.start = self.count;
+        } else if self.count - 1 > self.start && !follows {
+            self.start = self.count - 1;
+        }
+        if self.count - self.start > self.longest.len() {
+            self.longest = self.start..self.count;
+        }
+        self.before = Some((tick, running));
+    }
+
+    pub fn found(self) -> Stretch {
+        Stretch { samples: self.longest, running: self.running, missed: self.missed, stale: self.stale }
     }
 }
 

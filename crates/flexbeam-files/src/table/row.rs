@@ -35,6 +35,11 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
+    /// Room for so many samples of so many signals.
+    pub fn with_capacity(samples: usize, signals: usize) -> Rows {
+        Rows { time: Vec::with_capacity(samples), signals: Vec::with_capacity(samples * signals) }
+    }
+
     fn cut(&mut self, to: (usize, usize)) {
         self.time.truncate(to.0);
         self.signals.truncate(to.1);
@@ -125,6 +130,10 @@ impl RowReader {
     }
 
     fn after_blanks<'a>(&self, text: &'a [u8]) -> &'a [u8] {
+        // Nearly always there is none.
+        if text.first().is_some_and(|byte| *byte > b' ') {
+            return text;
+        }
         let blank = |byte: &u8| byte.is_ascii_whitespace() && self.separator != Separator::Character(*byte);
         &text[text.iter().position(|byte| !blank(byte)).unwrap_or(text.len())..]
     }

@@ -16,12 +16,15 @@ pub struct Export {
     /// The file to write; for c and rust, the folder
     #[arg(short, long)]
     pub out: PathBuf,
-    /// Names of a table's white-space columns, in order
+    /// Names of a table's columns, in order, in place of those in the file; _ leaves one out
     #[arg(long, value_delimiter = ',')]
     pub columns: Vec<String>,
     /// Sample period [s] of a table without a time column
     #[arg(long)]
     pub period: Option<f64>,
+    /// Interpolate a jittered time column of a table to this period [s]
+    #[arg(long)]
+    pub resample: Option<f64>,
     /// Precision of a controller's arithmetic: f64 (as simulated and verified) or f32
     #[arg(long, value_enum)]
     pub precision: Option<Precision>,

@@ -66,7 +66,7 @@ fn permitted(arguments: &cli::Export) -> Result<Overwrite, Failure> {
 impl Content {
     fn read(arguments: &cli::Export) -> Result<Content, Failure> {
         let columns = Some(arguments.columns.clone()).filter(|columns| !columns.is_empty());
-        let layout = Layout { columns, period_s: arguments.period, ..Layout::default() };
+        let layout = Layout { columns, period_s: arguments.period, resample_s: arguments.resample };
         match schema_of(&arguments.file)?.as_deref() {
             Some(RUN_SCHEMA) => Content::of_run(&arguments.file, &layout),
             _ => Content::of_table(&arguments.file, &layout),
