@@ -142,7 +142,7 @@ fn measured(
 /// Errors: a recording without ramps, and without `--friction` or runs that tell the voltage as well.
 fn of_recording(arguments: &cli::RigTest, path: &Path, parameters: &RigParameters) -> Result<Measured, Failure> {
     let columns = Some(arguments.columns.clone()).filter(|columns| !columns.is_empty());
-    let recording = Recording::read(path, &Layout { columns, period_s: arguments.period })?.into_si();
+    let recording = Recording::read(path, &Layout { columns, period_s: arguments.period, resample_s: None })?.into_si();
     let signals = recording.select(&["voltage_v", "theta_rad", "alpha_rad"].map(String::from))?;
     let said = |why: Error| Failure::while_trying(format!("read a rig test in {}", path.display()))(Hinted(why));
     let detection = detection(parameters);
