@@ -37,6 +37,7 @@ impl Samples<'_> {
         let (n, m, l) = (A.nrows(), self.m, C.nrows());
         let free = Free { B: true, D: true, offset: false };
         if let Some(fit) = self.problem(A, C, Mat::zeros(n, m), Mat::zeros(l, m)).solve(free) {
+            debug_assert!(fit.offset.iter().all(|d| *d == 0.0), "no offset was asked for");
             let fit_percent = percent(&fit);
             let found = InputMatrices { B: fit.B, D: fit.D, initial_state: fit.initial_state };
             return Ok(Fitted { found, fit_percent });
