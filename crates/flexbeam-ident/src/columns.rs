@@ -80,22 +80,22 @@ fn tile<L: Lanes, const N: usize>(columns: &[f64], rows: usize, column: &[f64]) 
     let mut k = 0;
     while k + 2 * LANES <= rows {
         let (x, y) = (L::load(&column[k..]), L::load(&column[k + LANES..]));
-        for n in 0..N {
+        for (n, sum) in sums.iter_mut().enumerate() {
             let at = n * rows + k;
-            sums[n][0] = L::load(&columns[at..]).times_plus(x, sums[n][0]);
-            sums[n][1] = L::load(&columns[at + LANES..]).times_plus(y, sums[n][1]);
+            sum[0] = L::load(&columns[at..]).times_plus(x, sum[0]);
+            sum[1] = L::load(&columns[at + LANES..]).times_plus(y, sum[1]);
         }
         k += 2 * LANES;
     }
     if k < rows {
         let x = L::load(&column[k..]);
-        for n in 0..N {
-            sums[n][0] = L::load(&columns[n * rows + k..]).times_plus(x, sums[n][0]);
+        for (n, sum) in sums.iter_mut().enumerate() {
+            sum[0] = L::load(&columns[n * rows + k..]).times_plus(x, sum[0]);
         }
     }
     let mut found = [0.0; N];
-    for n in 0..N {
-        found[n] = sums[n][0].plus(sums[n][1]).total();
+    for (found, sum) in found.iter_mut().zip(sums) {
+        *found = sum[0].plus(sum[1]).total();
     }
     found
 }
@@ -151,9 +151,9 @@ mod tests {
                     assert!((found[c * n + r] - wanted).abs() < 1e-13 * rows as f64, "({r},{c})");
                 }
             }
-            for k in 0..rows {
+            for (k, rest) in rest.iter().enumerate() {
                 let sum: f64 = (0..n).filter(|c| alive[*c]).map(|c| weights[c] * columns.column(c)[k]).sum();
-                assert!((rest[k] - (columns.column(0)[k] - sum)).abs() < 1e-13);
+                assert!((rest - (columns.column(0)[k] - sum)).abs() < 1e-13);
             }
         }
     }

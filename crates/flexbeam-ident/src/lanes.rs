@@ -78,8 +78,8 @@ impl Plain {
     #[inline(always)]
     fn zip(self, other: Plain, f: impl Fn(f64, f64) -> f64) -> Plain {
         let mut lanes = [0.0; LANES];
-        for k in 0..LANES {
-            lanes[k] = f(self.0[k], other.0[k]);
+        for (lane, (a, b)) in lanes.iter_mut().zip(self.0.into_iter().zip(other.0)) {
+            *lane = f(a, b);
         }
         Plain(lanes)
     }
@@ -114,9 +114,9 @@ impl Lanes for Plain {
     #[inline(always)]
     fn times_plus(self, other: Plain, sum: Plain) -> Plain {
         if cfg!(target_arch = "aarch64") {
-            let mut lanes = [0.0; LANES];
-            for k in 0..LANES {
-                lanes[k] = self.0[k].mul_add(other.0[k], sum.0[k]);
+            let mut lanes = sum.0;
+            for (lane, (a, b)) in lanes.iter_mut().zip(self.0.into_iter().zip(other.0)) {
+                *lane = a.mul_add(b, *lane);
             }
             Plain(lanes)
         } else {

@@ -6,5 +6,7 @@
 mod block;
 mod least_squares;
 mod modes;
+mod responses;
+mod shape;
 
 pub(crate) use least_squares::{Free, ModalFit, Problem};

@@ -38,6 +38,7 @@ impl<'a> Samples<'a> {
         let (n, m, l) = (A.nrows(), self.m, C.nrows());
         let free = Free { B: true, D: unknowns.feedthrough == Feedthrough::Free, offset: unknowns.offset };
         if let Some(fit) = self.problem(A, C, Mat::zeros(n, m), Mat::zeros(l, m)).solve(free) {
+            debug_assert!(fit.offset.iter().all(|d| *d == 0.0), "no offset was asked for");
             let fit_percent = percent(&fit);
             let ModalFit { B, D, offset, initial_state, .. } = fit;
             return Ok(Fitted { found: InputMatrices { B, D, offset, initial_state }, fit_percent });

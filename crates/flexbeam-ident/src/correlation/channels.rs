@@ -4,6 +4,9 @@ use flexbeam_lti::Mat;
 
 use crate::lanes::{Kernel, LANES, Lanes, on_widest};
 
+/// A channel that stands this far from zero, against how far it moves, is a small signal on a large offset.
+pub(super) const STANDS_OFF: f64 = 8.0;
+
 /// A sample that is infinite or not a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NotFinite {
@@ -90,10 +93,11 @@ impl<'a> Channels<'a> {
         }
     }
 
-    /// Mean of a channel, to the rounding of a plain sum.
-    pub fn mean(&self, channel: usize) -> f64 {
-        let (data, stride) = self.channels[channel];
-        data.iter().step_by(stride.max(1)).take(self.samples).sum::<f64>() / self.samples as f64
+    /// What a channel may lose before it is rounded: its first sample if it moves little beside it within the first `count` samples, else nothing.
+    pub fn standing(&self, channel: usize, count: usize) -> f64 {
+        let first = self.at(channel, 0);
+        let moves = self.largest(channel, 0..count, first);
+        if first.abs() > STANDS_OFF * moves { first } else { 0.0 }
     }
 
     /// The first sample that is not finite.

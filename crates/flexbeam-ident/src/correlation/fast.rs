@@ -19,24 +19,36 @@ const PIECES: usize = 32;
 /// Rounding of one entry of the scaled Gram matrix, at most: 2^7 fused products a lane and the additions of eight lanes, each half a
 /// unit in the last place of the sum of magnitudes. What follows is added in double-double.
 const ROUNDING: f64 = 140.0 * 0.5 * f64::EPSILON;
+/// Products for each cube of the number of rows, below which the verdict would cost more than plain sums save.
+const WORTH: usize = 4;
+/// Samples that foretell the verdict.
+const PROBE: usize = 1 << 15;
 /// Part of a Gram matrix's own sampling fluctuation that its rounding may have.
 const PART: f64 = 1e-2;
 
-/// The Gram matrix of a record; None when rounding could be told from noise, or the record is not finite or too short.
+/// The Gram matrix of a record; None when rounding could be told from noise, or the record is not finite, or too short to be worth it.
 ///
-/// Numerics: let R be the matrix of the rows less their means, scaled by the lengths of the rows less their channel's mean, L L' its factor, n its rows. Whatever offsets are put back later, the matrix
+/// Numerics: let R be the matrix of the rows less their means, scaled by the lengths of the rows themselves, L L' its factor, n its rows. Whatever offsets are put back later, the matrix
 /// is R plus something positive, so that what R stands, it stands. Rounding makes it L (I + W) L' with |W| <= n rounding / lambda, lambda the least
 /// eigenvalue of R. The record's finite length does the same: the Gram matrix of j independent columns is L0 (I + F) L0' with |F| about 2 sqrt(n / j), and
 /// never below sqrt(1 / j). What |W| <= PART sqrt(1 / j) changes is at most a hundredth of what another record of the same length would have changed. Without noise lambda
 /// is zero, and the answer is None.
 pub(crate) fn fast_gram(channels: &Channels, i: usize, threads: usize) -> Option<Gram> {
+    let (s, n) = (channels.samples(), 2 * i * channels.count());
+    // The verdict costs as much as the sums of some records, and a stretch of the record foretells it.
+    let worth = s * n * channels.count() >= WORTH * n.pow(3);
+    let promising = || s <= 4 * PROBE || plain_gram(&channels.part(0..PROBE), s, i, threads).is_some();
+    if worth && promising() { plain_gram(channels, s, i, threads) } else { None }
+}
+
+/// As [`fast_gram`], judged as if there were `length` samples.
+fn plain_gram(channels: &Channels, length: usize, i: usize, threads: usize) -> Option<Gram> {
     let (c, s, lags) = (channels.count(), channels.samples(), 2 * i);
     let columns = (s + 1).saturating_sub(lags);
     if columns < lags {
         return None;
     }
-    // Any offset would do, and this one leaves the least to be rounded.
-    let offset = each(0..c, threads, |a| channels.mean(a));
+    let offset: Vec<f64> = (0..c).map(|a| channels.standing(a, PIECE.min(s))).collect();
     let largest = each(0..c, threads, |a| channels.largest(a, 0..s, offset[a]));
     if !largest.iter().all(|x| x.is_finite()) {
         return None;
@@ -46,14 +58,13 @@ pub(crate) fn fast_gram(channels: &Channels, i: usize, threads: usize) -> Option
     let middle = record.middle(lags, columns, threads);
     let ends = Ends { head: record.part(0..2 * (lags - 1)), tail: record.part(columns..s) };
     let gram = Gram::of_record(i, s, offset.clone(), exponents.clone(), middle, ends);
-    drowns(&gram).then_some(gram)
+    drowns(&gram, length).then_some(gram)
 }
 
-/// |W| <= PART sqrt(1 / j), with the least eigenvalue of R bounded from below by 1 / |L^-1|^2.
-fn drowns(gram: &Gram) -> bool {
+/// |W| <= PART sqrt(1 / j) for j columns, as many as samples or fewer, with the least eigenvalue of R bounded from below by 1 / |L^-1|^2.
+fn drowns(gram: &Gram, length: usize) -> bool {
     let n = 2 * gram.i * gram.channels();
-    let length = |r: usize| gram.product(r, r).value().sqrt();
-    let lengths: Vec<f64> = (0..n).map(length).collect();
+    let lengths: Vec<f64> = (0..n).map(|r| gram.product(r, r).value().sqrt()).collect();
     let share = Double::new(gram.columns as f64).reciprocal();
     let centred = |r: usize, q: usize| gram.product(r, q) - gram.sum(r) * gram.sum(q) * share;
     let scaled = |r: usize, q: usize| centred(r, q).value() / (lengths[r] * lengths[q]);
@@ -62,7 +73,7 @@ fn drowns(gram: &Gram) -> bool {
     // The factor's own rounding, and the conversion's, come on top of the sums'.
     let rounding = n as f64 * (ROUNDING + n as f64 * f64::EPSILON);
     let least = inverse.norm_squared().recip() - rounding;
-    rounding <= PART * least / (gram.columns as f64).sqrt()
+    rounding <= PART * least / (length as f64).sqrt()
 }
 
 /// Samples less the offset, in units of the exponents.
@@ -186,8 +197,8 @@ impl Lagged<'_, '_> {
         let mut k = 0;
         while k < self.padded {
             let mut x = [L::splat(0.0); A];
-            for a in 0..A {
-                x[a] = L::load(&self.left[a * PIECE + k..]);
+            for (a, x) in x.iter_mut().enumerate() {
+                *x = L::load(&self.left[a * PIECE + k..]);
             }
             for n in 0..D {
                 let y = L::load(&right[k + n..]);
@@ -197,9 +208,9 @@ impl Lagged<'_, '_> {
             }
             k += LANES;
         }
-        for a in 0..A {
-            for n in 0..D {
-                self.found[a * self.lags + d + n] = sums[a][n].total();
+        for (a, sums) in sums.iter().enumerate() {
+            for (n, sum) in sums.iter().enumerate() {
+                self.found[a * self.lags + d + n] = sum.total();
             }
         }
     }
@@ -229,7 +240,7 @@ mod tests {
     /// Each entry is within the bound that the criterion reckons with, and threads change no bit.
     #[test]
     fn entries_keep_the_promised_digits() {
-        for samples in [100, 2500, 80_000] {
+        for samples in [6000, 180_000] {
             let data = record(samples, 1e-2).insert_column(1, 0.3);
             let data =
                 Mat::from_fn(samples, 3, |k, c| if c == 1 { 1e3 + data[(k, 0)] * data[(k, 2)] } else { data[(k, c)] });
@@ -267,7 +278,7 @@ mod tests {
         let mut bad = record(20_000, 1e-2);
         bad[7] = f64::NAN;
         assert!(!passes(&bad));
-        assert!(!passes(&record(30, 1e-2)), "too short");
+        assert!(!passes(&record(1000, 1e-2)), "too short");
     }
 
     #[test]

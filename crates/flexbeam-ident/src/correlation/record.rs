@@ -3,7 +3,7 @@
 //! Enters: chunks of samples, of any length. Leaves: the Gram matrix of the record's block Hankel matrix. Memory: a few thousand samples,
 //! whatever the record's length. Deliberately absent: order of rows, scales.
 
-use super::channels::{Channels, NotFinite};
+use super::channels::{Channels, NotFinite, STANDS_OFF};
 use super::gram::{Ends, Gram};
 use super::kernel::{LANES, PIECE, lagged_products};
 use super::rounding::{BIAS, FRACTION, LEAST_EXPONENT, exponent, fraction, quantised};
@@ -14,8 +14,6 @@ use crate::shares::{each, shared};
 const MOST_SAMPLES: usize = 1 << 24;
 /// Samples that are judged and summed up in one go, for each thread: they stay in a second-level cache in between.
 const PART: usize = 1 << 15;
-/// A channel that stands this far from zero, against how far it moves in its first block, loses its first sample.
-const STANDS_OFF: f64 = 8.0;
 
 /// Sums over the left samples 2i - 1 <= k of z(k) z(k+d)' for d = 0..2i-1, and what the ends of the record need.
 ///
@@ -373,10 +371,10 @@ impl Worker<'_> {
             lagged_products(&left, window, lags, &mut self.products);
             let mut right = firsts[b];
             for d in 0..lags {
-                for a in 0..c {
+                for (a, first) in firsts.iter().enumerate() {
                     // (x + bias)(y + bias) = x y + bias (x + y + 2 bias) - bias^2.
                     let biased = self.products[a * lags + d] as i128;
-                    self.sums.products[(d * c + a) * c + b] += biased - bias * (firsts[a] + right) + n * bias * bias;
+                    self.sums.products[(d * c + a) * c + b] += biased - bias * (first + right) + n * bias * bias;
                 }
                 right += i128::from(window.get(count + d).copied().unwrap_or(0)) - i128::from(window[d]);
             }

@@ -2,26 +2,15 @@
 //!
 //! Enters: A, C, what is known of the rest, a recording. Leaves: the rest, and what it misses. Deliberately absent: one-step prediction.
 
-use flexbeam_lti::{C64, Mat, Vector};
+use flexbeam_lti::{Mat, Vector};
 
-use super::block::{BLOCK, Block, Filter, Filters};
 use super::modes::Modes;
-use crate::columns::Columns;
+use super::responses::Responses;
+use super::shape::Shape;
 use crate::correlation::Channels;
-use crate::double::Double;
-use crate::lanes::on_widest;
-use crate::shares::each;
 
 /// How far a mode may grow within the record: beyond this, what earlier samples say drowns.
 const LARGEST_GROWTH: f64 = 1e6;
-/// A mode that has faded below this is nothing: it could not move the last bit of anything.
-const FADED: f64 = 1e-40;
-/// Products a sample that the normal matrix may cost; with more columns it comes from every so-many-th block.
-const MOST_PRODUCTS: usize = 800;
-/// Samples of a part: whole blocks.
-const PART: usize = 32 * BLOCK;
-/// Blocks of the record that always count: what fades fades there.
-const FIRST_BLOCKS: usize = 4;
 /// The solution is refined until the next step would be below a hundredth of a standard error,
 const STEP: f64 = 1e-4;
 /// or moves the output by less than its own rounding.
@@ -147,86 +136,6 @@ impl Problem<'_> {
     }
 }
 
-/// States, inputs, outputs. Columns of a block: n for x(0), n for each input, the inputs, ones, the outputs. Unknowns: x(0), B, D, offsets.
-#[derive(Clone, Copy)]
-struct Shape {
-    n: usize,
-    m: usize,
-    l: usize,
-}
-
-impl Shape {
-    fn u(self, c: usize) -> usize {
-        self.n * (1 + self.m) + c
-    }
-    fn ones(self) -> usize {
-        self.u(self.m)
-    }
-    /// Columns that explain: all but the outputs.
-    fn x(self) -> usize {
-        self.ones() + 1
-    }
-    fn y(self, p: usize) -> usize {
-        self.x() + p
-    }
-    fn columns(self) -> usize {
-        self.y(self.l)
-    }
-    fn unknowns(self) -> usize {
-        self.n * (1 + self.m) + self.l * self.m + self.l
-    }
-
-    /// Coefficients of the columns in output p, one column an unknown.
-    fn map(self, modes: &Modes, C: &Mat, p: usize) -> Mat {
-        let mut map = Mat::zeros(self.x(), self.unknowns());
-        for family in 0..=self.m {
-            let mut k = family * self.n;
-            for z in &modes.poles {
-                let c = C[(p, k % self.n)];
-                map[(k, k)] = c;
-                if z.im > 0.0 {
-                    // The state (b1, b2) of a pair answers with (b1 - j b2) w, its output with c1 Re - c2 Im of that.
-                    let d = C[(p, k % self.n + 1)];
-                    (map[(k + 1, k)], map[(k, k + 1)], map[(k + 1, k + 1)]) = (-d, d, c);
-                    k += 1;
-                }
-                k += 1;
-            }
-        }
-        let first = self.n * (1 + self.m);
-        (0..self.m).for_each(|c| map[(self.u(c), first + c * self.l + p)] = 1.0);
-        map[(self.ones(), first + self.m * self.l + p)] = 1.0;
-        map
-    }
-
-    fn joined(self, B: &Mat, D: &Mat, offset: &Vector) -> Vector {
-        let start = std::iter::repeat_n(0.0, self.n);
-        let all = start.chain(B.iter().copied()).chain(D.iter().copied()).chain(offset.iter().copied());
-        Vector::from_iterator(self.unknowns(), all)
-    }
-
-    /// Unknowns that are free.
-    fn open(self, free: Free) -> Vec<usize> {
-        let ends = [self.n, self.n * (1 + self.m), self.unknowns() - self.l, self.unknowns()];
-        let wanted = [true, free.B, free.D, free.offset];
-        (0..self.unknowns()).filter(|k| wanted[ends.iter().position(|end| k < end).expect("an unknown")]).collect()
-    }
-
-    /// Squares that a solution misses, and that the outputs move, from a Gram matrix of all samples.
-    fn missed(self, S: &Mat, maps: &[Mat], theta: &Vector) -> Option<(Vec<f64>, Vec<f64>)> {
-        let Sxx = S.view((0, 0), (self.x(), self.x()));
-        let each = |p: usize| {
-            let (k, y) = (&maps[p] * theta, self.y(p));
-            let b = S.view((0, y), (self.x(), 1));
-            let missed = S[(y, y)] - 2.0 * b.column(0).dot(&k) + (Sxx * &k).dot(&k);
-            let moved = S[(y, y)] - S[(y, self.ones())].powi(2) / S[(self.ones(), self.ones())];
-            // Both are differences of sums of this size; half of the digits must be left.
-            (missed > 1e-8 * S[(y, y)] && moved > 1e-8 * S[(y, y)]).then_some((missed, moved))
-        };
-        (0..self.l).map(each).collect::<Option<Vec<_>>>().map(|all| all.into_iter().unzip())
-    }
-}
-
 /// Normal equations of the free unknowns.
 struct Equations {
     open: Vec<usize>,
@@ -263,193 +172,107 @@ impl Equations {
     }
 }
 
-/// Passes over the recording, in parts of fixed length that do not depend on the number of threads.
-struct Responses<'a> {
-    problem: &'a Problem<'a>,
-    modes: &'a Modes,
-    shape: Shape,
-    maps: &'a [Mat],
-    /// States at the start of each part: those of x(0), which start at one, then each input's. Known after the first pass.
-    starts: Vec<Vec<C64>>,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::white_gaussian;
 
-struct Residual {
-    gradient: Vector,
-    missed: Vec<f64>,
-    moved: Vec<f64>,
-}
+    /// A pair, a slow mode, an integrator; two inputs, two outputs with an offset each.
+    fn system() -> [Mat; 4] {
+        #[rustfmt::skip]
+        let A = Mat::from_row_slice(4, 4, &[
+            0.7, 0.5, 0.1, 0.0,
+            -0.5, 0.7, 0.0, 0.2,
+            0.0, 0.0, 0.98, 0.0,
+            0.0, 0.0, 0.0, 1.0,
+        ]);
+        let mix = |r: usize, c: usize| (((r + 1) * (c + 2)) as f64).sin();
+        [A, Mat::from_fn(4, 2, mix), Mat::from_fn(2, 4, |r, c| mix(c, r + 1)), Mat::from_fn(2, 2, mix)]
+    }
 
-/// Sums over one part.
-struct Sums {
-    /// Column by column of each output's residual.
-    along: Vec<Vec<Double>>,
-    missed: Vec<Double>,
-    moved: Vec<Double>,
-}
-
-impl Responses<'_> {
-    /// Gram matrix of all columns, from every so-many-th block, and how many that is.
-    ///
-    /// Each part starts from rest; what the true start adds is a combination of its decaying columns, which are there anyway.
-    fn gram(&mut self, threads: usize) -> (Mat, usize) {
-        let q = self.shape.columns();
-        let every = (q * q / 2).div_ceil(MOST_PRODUCTS);
-        let every = if self.problem.channels.samples() < 4 * every * BLOCK { 1 } else { every };
-        let poles = self.modes.poles.len();
-        let mut state = vec![C64::new(0.0, 0.0); poles * (1 + self.shape.m)];
-        state[..poles].fill(C64::new(1.0, 0.0));
-        let rest = state.clone();
-        let parts = each(0..self.parts(), threads, |part| self.part_gram(part, &rest, every));
-        let mut S = Mat::zeros(q, q);
-        for (local, ends) in parts {
-            let W = self.from_rest(&state);
-            S += W.transpose() * local * W;
-            let next = |k: usize| if k < poles { ends[k] * state[k] } else { ends[k] + ends[k % poles] * state[k] };
-            let next = (0..state.len()).map(next).collect();
-            self.starts.push(std::mem::replace(&mut state, next));
+    fn problem<'a>(A: &'a Mat, C: &'a Mat, U: &'a Mat, Y: &'a Mat) -> Problem<'a> {
+        Problem {
+            A,
+            C,
+            B: Mat::zeros(A.nrows(), 2),
+            D: Mat::zeros(2, 2),
+            offset: Vector::zeros(2),
+            channels: Channels::of_rows(U).beside(Channels::of_rows(Y)),
+            mean: &[0.0; 4],
+            scale: &[1.0; 4],
+            threads: 1,
         }
-        (S, every)
     }
 
-    fn parts(&self) -> usize {
-        self.problem.channels.samples().div_ceil(PART)
-    }
-
-    fn part_gram(&self, part: usize, rest: &[C64], every: usize) -> (Mat, Vec<C64>) {
-        let q = self.shape.columns();
-        let mut sums = vec![Double::ZERO; q * q];
-        let mut found = vec![0.0; q * q];
-        let ends = self.each_block(part, rest, |index, block, alive| {
-            let first = part == 0 && index < FIRST_BLOCKS;
-            if !first && index % every != 0 {
-                return;
-            }
-            let weight = if first { 1.0 } else { every as f64 };
-            Columns { data: &block.columns, rows: BLOCK, alive }.gram(&mut found);
-            for c in (0..q).filter(|c| alive[*c]) {
-                for r in (c..q).filter(|r| alive[*r]) {
-                    sums[c * q + r] += Double::new(found[c * q + r] * weight);
-                }
-            }
-        });
-        (Mat::from_fn(q, q, |r, c| sums[r.min(c) * q + r.max(c)].value()), ends)
-    }
-
-    /// The columns of a part with these states at its start, as combinations of those that start from rest.
-    fn from_rest(&self, state: &[C64]) -> Mat {
-        let n = self.shape.n;
-        let mut W = Mat::identity(self.shape.columns(), self.shape.columns());
-        let mut column = 0;
-        for (k, w) in state.iter().enumerate() {
-            let z = self.modes.poles[k % self.modes.poles.len()];
-            let decay = column % n;
-            if column < n {
-                W[(column, column)] = 0.0;
-            }
-            W[(decay, column)] += w.re;
-            column += 1;
-            if z.im > 0.0 {
-                if column < n {
-                    W[(column, column)] = 0.0;
-                }
-                // (re + j im) of the decay times w.
-                W[(decay + 1, column - 1)] -= w.im;
-                W[(decay, column)] += w.im;
-                W[(decay + 1, column)] += w.re;
-                column += 1;
-            }
+    fn record(samples: usize, noise: f64) -> (Mat, Mat) {
+        let [A, B, C, D] = system();
+        let (white, e) =
+            (white_gaussian(2 * samples, 1.0, 9.0, 3), white_gaussian(2 * samples, noise.max(1e-300), 9.0, 4));
+        let U = Mat::from_column_slice(2, samples, &white);
+        let mut x = Vector::from_column_slice(&[1.0, -1.0, 2.0, 0.5]);
+        let mut Y = Mat::zeros(2, samples);
+        for k in 0..samples {
+            let u = U.column(k).into_owned();
+            Y.set_column(k, &(&C * &x + &D * &u + Vector::from_column_slice(&[3.0 + e[2 * k], -7.0 + e[2 * k + 1]])));
+            x = &A * x + &B * u;
         }
-        W
+        (U, Y)
     }
 
-    /// What a solution misses, and its gradient.
-    fn residual(&self, theta: &Vector, means: &[f64], threads: usize) -> Residual {
-        let (l, x) = (self.shape.l, self.shape.x());
-        let weights: Vec<Vector> = self.maps.iter().map(|map| map * theta).collect();
-        let nothing = || vec![Double::ZERO; l];
-        let mut all = Sums { along: vec![vec![Double::ZERO; x]; l], missed: nothing(), moved: nothing() };
-        for part in each(0..self.parts(), threads, |part| self.part_residual(part, &weights, means)) {
-            for p in 0..l {
-                all.missed[p] += part.missed[p];
-                all.moved[p] += part.moved[p];
-                all.along[p].iter_mut().zip(&part.along[p]).for_each(|(a, b)| *a += *b);
-            }
+    #[test]
+    fn everything_is_recovered_across_parts() {
+        let (U, Y) = record(40_000, 0.0);
+        let [A, B, C, D] = system();
+        let problem = Problem { offset: Vector::from_column_slice(&[3.0, -7.0]), ..problem(&A, &C, &U, &Y) };
+        let found = problem.solve(Free { B: true, D: true, offset: false }).unwrap();
+        let errors = [(found.B - B).norm(), (found.D - D).norm()];
+        assert!(errors.iter().all(|e| *e < 1e-11), "{errors:?}");
+        assert!((found.initial_state - Vector::from_column_slice(&[1.0, -1.0, 2.0, 0.5])).norm() < 1e-10);
+        assert!(found.missed.iter().zip(&found.moved).all(|(a, b)| *a < 1e-22 * b), "{:?}", found.missed);
+    }
+
+    /// Against a dense QR of the very same columns, by the general routine; noise, so that the solution is one of many.
+    #[test]
+    fn noisy_solutions_are_those_of_a_qr_and_threads_change_no_bit() {
+        let (U, Y) = record(36_000, 0.3);
+        let Y = Mat::from_fn(2, 36_000, |p, k| Y[(p, k)] - [3.0, -7.0][p]);
+        let [A, _, C, _] = system();
+        let wanted = crate::output_map::input_matrices(&A, &C, &U.transpose(), &Y.transpose());
+        let solve = |threads| {
+            let problem = Problem { threads, ..problem(&A, &C, &U, &Y) };
+            problem.solve(Free { B: true, D: true, offset: false }).unwrap()
+        };
+        let (found, shared) = (solve(1), solve(3));
+        assert!((&found.B - wanted.B).norm() < 1e-9 && (&found.D - wanted.D).norm() < 1e-9);
+        assert!((&found.initial_state - wanted.initial_state).norm() < 1e-7);
+        assert_eq!((found.B, found.D, found.missed), (shared.B, shared.D, shared.missed));
+    }
+
+    #[test]
+    fn what_is_not_determined_or_grows_is_left_to_others() {
+        let (U, Y) = record(4000, 0.0);
+        let [A, _, C, _] = system();
+        let solve = |A: &Mat, U: &Mat| problem(A, &C, U, &Y).solve(Free { B: true, D: true, offset: false });
+        assert!(solve(&A, &U).is_some());
+        assert!(solve(&(&A * 1.02), &U).is_none(), "1.02^4000 = 10^34");
+        assert!(solve(&A, &Mat::from_fn(2, 4000, |_, k| U[(0, k)])).is_none(), "one input twice");
+    }
+
+    #[test]
+    fn offsets_are_found_beside_modes_that_fade() {
+        // Without the integrator: an offset and its x(0) are nearly the same thing.
+        let (U, _) = record(3000, 0.0);
+        let [A, B, C, D] = system();
+        let (A, B, C) = (A.remove_row(3).remove_column(3), B.remove_row(3), C.remove_column(3));
+        let mut x = Vector::from_column_slice(&[1.0, -1.0, 2.0]);
+        let mut Y = Mat::zeros(2, 3000);
+        for k in 0..3000 {
+            let u = U.column(k).into_owned();
+            Y.set_column(k, &(&C * &x + &D * &u + Vector::from_column_slice(&[3.0, -7.0])));
+            x = &A * x + &B * u;
         }
-        let along = all.along.iter().map(|along| Vector::from_iterator(x, along.iter().map(|x| x.value())));
-        let gradient = self.maps.iter().zip(along).map(|(map, along)| map.transpose() * along).sum();
-        let values = |sums: Vec<Double>| sums.iter().map(|x| x.value()).collect();
-        Residual { gradient, missed: values(all.missed), moved: values(all.moved) }
-    }
-
-    fn part_residual(&self, part: usize, weights: &[Vector], means: &[f64]) -> Sums {
-        let (shape, l, x) = (self.shape, self.shape.l, self.shape.x());
-        let nothing = || vec![Double::ZERO; l];
-        let mut sums = Sums { along: vec![vec![Double::ZERO; x]; l], missed: nothing(), moved: nothing() };
-        let mut rest = vec![0.0; BLOCK];
-        let mut found = vec![0.0; x];
-        self.each_block(part, &self.starts[part], |_, block, alive| {
-            let explaining = Columns { data: &block.columns, rows: BLOCK, alive: &alive[..x] };
-            for p in 0..l {
-                rest.copy_from_slice(block.column(shape.y(p)));
-                let ones = block.column(shape.ones());
-                let square = |y: (&f64, &f64)| (y.0 - means[p] * y.1).powi(2);
-                sums.moved[p] += Double::new(rest.iter().zip(ones).map(square).sum());
-                explaining.take_from(weights[p].as_slice(), &mut rest);
-                sums.missed[p] += Double::new(rest.iter().map(|e| e * e).sum());
-                explaining.products(&rest, &mut found);
-                (0..x).filter(|c| alive[*c]).for_each(|c| sums.along[p][c] += Double::new(found[c]));
-            }
-        });
-        sums
-    }
-
-    /// Shows every block of a part, with the columns that are not zero throughout; returns the states at its end.
-    fn each_block(&self, part: usize, starts: &[C64], mut show: impl FnMut(usize, &Block, &[bool])) -> Vec<C64> {
-        let Shape { n, m, l } = self.shape;
-        let (problem, shape) = (self.problem, self.shape);
-        let samples = PART * part..problem.channels.samples().min(PART * (part + 1));
-        let mut block = Block::new(shape.columns());
-        let mut alive = vec![true; shape.columns()];
-        let mut states = starts.to_vec();
-        let mut raw = [0.0; BLOCK];
-        let nothing = [0.0; BLOCK];
-        for (index, first) in samples.clone().step_by(BLOCK).enumerate() {
-            let count = BLOCK.min(samples.end - first);
-            let recorded = (0..m).map(|c| (c, shape.u(c))).chain((0..l).map(|p| (m + p, shape.y(p))));
-            for (channel, column) in recorded {
-                problem.channels.copy(channel, first, problem.mean[channel], &mut raw[..count]);
-                let by = problem.scale[channel].recip();
-                raw[..count].iter_mut().for_each(|x| *x *= by);
-                block.set(column, &raw[..count]);
-            }
-            block.set(shape.ones(), &[1.0; BLOCK][..count]);
-            let (responses, recorded) = block.columns.split_at_mut(n * (1 + m) * BLOCK);
-            let poles = &self.modes.poles;
-            let mut filters = Vec::with_capacity(states.len());
-            let (mut column, mut rest) = (0, responses);
-            for (k, state) in states.iter_mut().enumerate() {
-                let (z, family) = (poles[k % poles.len()], k / poles.len());
-                let width = if z.im > 0.0 { 2 } else { 1 };
-                let (columns, after) = rest.split_at_mut(width * BLOCK);
-                rest = after;
-                let faded = family == 0 && state.norm() < FADED;
-                alive[column..column + width].fill(!faded);
-                column += width;
-                if faded {
-                    *state = C64::new(0.0, 0.0);
-                    columns.fill(0.0);
-                    continue;
-                }
-                let u = if family == 0 { &nothing[..] } else { &recorded[(family - 1) * BLOCK..family * BLOCK] };
-                let (re, im) = columns.split_at_mut(BLOCK);
-                filters.push(Filter { z, state, u, re, im: (width == 2).then_some(im) });
-            }
-            on_widest(Filters(&mut filters));
-            if count < BLOCK {
-                block.cut(n * (1 + m), count);
-            }
-            show(index, &block, &alive);
-        }
-        states
+        let found = problem(&A, &C, &U, &Y).solve(Free { B: true, D: true, offset: true }).unwrap();
+        assert!((found.offset - Vector::from_column_slice(&[3.0, -7.0])).norm() < 1e-9);
+        assert!((found.B - B).norm() < 1e-9);
     }
 }
