@@ -214,6 +214,7 @@ fn the_identify_result_has_the_keys_that_scripts_rely_on() {
         initial_state: vec![0.0],
         uncertainty: None,
         identify_s: 0.01,
+        refined: None,
     };
     let json: serde_json::Value = serde_json::from_str(&json_text(&result)).unwrap();
     assert_eq!(json["poles"], serde_json::json!([[0.9, 0.1]]));
