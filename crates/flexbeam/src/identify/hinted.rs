@@ -25,6 +25,12 @@ fn hint(error: &Error) -> &'static str {
         Error::Order { .. } => "a smaller --order, more --block-rows, or --order auto",
         Error::NoState => "are these the right --inputs and --outputs? flexbeam show tells what the columns hold",
         Error::NotSettled { .. } => "the recording is hardly a flexible link's; compare the fits of other orders",
+        Error::TooFewRamps { .. } => "slow ramps each way, each from rest: flexbeam rig test --repeats 3 drives them",
+        Error::TooFewRuns { .. } => "hold the voltage for a second or more, beyond the breakaway, each way",
+        Error::OneSpeed { .. } | Error::SpeedsAlike { .. } => {
+            "runs at several voltages, the largest well above the smallest"
+        }
+        Error::NoCoast { .. } => "cut the voltage to 0 V while the hub turns fast, and record on for a second",
         _ => "flexbeam show tells what the recording holds",
     }
 }
