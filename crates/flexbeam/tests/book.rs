@@ -288,7 +288,7 @@ const ANSWERS: [(&str, &str); 16] = [
     ("identify", "identify recording.csv --out model.toml"),
     ("design", "design model.toml --stability-degree 1.5 --uncertainty beam --out controller.toml"),
     ("design", "design model.toml --stability-degree 12 --uncertainty 0.06 --robust-only"),
-    ("rig test", "rig test"),
+    ("rig test", "rig test --friction --rest 10"),
     ("simulate", "simulate controller.toml --duration 1"),
     ("verify", "verify controller.toml --runs 4"),
     ("export", "export recording.csv --as mat --out recording.mat"),

@@ -28,6 +28,12 @@ fn hint(error: &Error) -> &'static str {
              without external excitation leaves no state either"
         }
         Error::NotSettled { .. } => "the recording is hardly a flexible link's; compare the fits of other orders",
+        Error::TooFewRamps { .. } => "slow ramps each way, each from rest: flexbeam rig test --repeats 3 drives them",
+        Error::TooFewRuns { .. } => "hold the voltage for a second or more, beyond the breakaway, each way",
+        Error::OneSpeed { .. } | Error::SpeedsAlike { .. } => {
+            "runs at several voltages, the largest well above the smallest"
+        }
+        Error::NoCoast { .. } => "cut the voltage to 0 V while the hub turns fast, and record on for a second",
         _ => "flexbeam show tells what the recording holds",
     }
 }

@@ -6,10 +6,11 @@ use flexbeam_lti::{Mat, Signals};
 use flexbeam_rig::{RigParameters, SimulatedRig, open_loop};
 use flexbeam_runtime::back_end::BackEnd;
 use flexbeam_runtime::port::Port;
-use flexbeam_runtime::{Cause, FrozenLimit, Phase, Setup, drive, open_loop_setup};
+use flexbeam_runtime::{Cause, FrozenLimit, Phase, Sample, Setup, drive, open_loop_setup};
 
 use super::{BrokenOff, TRIED};
 use crate::on_rig::{RigAt, from_zeroes, ready, signals_of, whole_in_memory};
+use crate::output::say;
 use crate::{Failure, cli};
 
 /// How often the simulated rig is asked whether it has turned enough [samples].
@@ -25,7 +26,7 @@ pub(super) struct Bench<'a> {
 
 enum Kind<'a> {
     Simulated(Box<SimulatedRig>),
-    OnClock(OnClock<'a>),
+    OnClock(Box<OnClock<'a>>),
 }
 
 struct OnClock<'a> {
@@ -49,7 +50,7 @@ impl<'a> Bench<'a> {
         } else {
             let (link, seed, frozen) = (&arguments.link, arguments.seed, FrozenLimit::NEVER);
             let (back_end, setup) = ready(&RigAt { port, link, simulated: parameters, seed, frozen }, period_s)?;
-            Kind::OnClock(OnClock { port, back_end: Some(back_end), setup })
+            Kind::OnClock(Box::new(OnClock { port, back_end: Some(back_end), setup }))
         };
         Ok(Bench { rig, period_s, recorded: Vec::new() })
     }
@@ -100,7 +101,7 @@ impl OnClock<'_> {
         let setup = open_loop_setup(voltages_v.into(), &self.setup.live.settings, &self.setup);
         let asked = setup.asked.clone();
         let mut start = None;
-        let enough = move |sample: &flexbeam_runtime::Sample| {
+        let enough = move |sample: &Sample| {
             let theta = sample.measured.theta_rad;
             sample.phase == Phase::Running && (theta - *start.get_or_insert(theta)).abs() > most_rad
         };
@@ -116,6 +117,71 @@ impl OnClock<'_> {
         self.back_end = outcome.back_end;
         let settings = &self.setup.live.settings;
         from_zeroes(&mut samples, [settings.theta.offset_rad, settings.alpha.offset_rad]);
+        let samples = without_gaps(&samples).map_err(Failure::while_trying(TRIED))?;
         signals_of(&samples, period_s)
+    }
+}
+
+/// Longest gap over which a line stands in for readings [periods]: a tenth of the shortest window that the test looks through.
+const LONGEST_GAP: u64 = 17;
+
+/// Too long without a reading.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "found {0} periods in a row without a reading, needed at most {LONGEST_GAP}\nhint: stop other programs, or give the loop a core of its own: --core"
+)]
+struct Gap(u64);
+
+/// The running samples, with a line over the angles where periods were missed or measurements did not come; the voltage stood there.
+///
+/// Errors: [`Gap`].
+fn without_gaps(samples: &[Sample]) -> Result<Vec<Sample>, Gap> {
+    let fresh: Vec<&Sample> = samples.iter().filter(|s| s.phase == Phase::Running && !s.stale).collect();
+    let mut whole: Vec<Sample> = fresh.first().map(|first| **first).into_iter().collect();
+    for pair in fresh.windows(2) {
+        let (before, next) = (pair[0], pair[1]);
+        let periods = next.instant - before.instant;
+        if periods > LONGEST_GAP + 1 {
+            return Err(Gap(periods - 1));
+        }
+        let part = |k: u64, from: f64, to: f64| from + (to - from) * k as f64 / periods as f64;
+        whole.extend((1..periods).map(|k| {
+            let mut between = Sample { instant: before.instant + k, ..*before };
+            between.measured.theta_rad = part(k, before.measured.theta_rad, next.measured.theta_rad);
+            between.measured.alpha_rad = part(k, before.measured.alpha_rad, next.measured.alpha_rad);
+            between
+        }));
+        whole.push(*next);
+    }
+    let filled = whole.len() - fresh.len();
+    if filled > 0 {
+        say(format_args!(
+            "{filled} of {} periods had no reading; a line between their neighbours stands in",
+            whole.len()
+        ));
+    }
+    Ok(whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(instant: u64, theta_rad: f64) -> Sample {
+        let mut sample = Sample { instant, phase: Phase::Running, stale: false, voltage_v: 0.5, ..Sample::default() };
+        sample.measured.theta_rad = theta_rad;
+        sample
+    }
+
+    #[test]
+    fn a_short_gap_is_a_line_and_a_long_one_is_refused() {
+        let stale = Sample { stale: true, ..sample(2, 9.0) };
+        let whole = without_gaps(&[sample(0, 0.0), sample(1, 0.1), stale, sample(4, 0.4)]).unwrap();
+        assert_eq!(whole.len(), 5);
+        for (k, sample) in whole.iter().enumerate() {
+            assert_eq!((sample.instant, sample.voltage_v), (k as u64, 0.5));
+            assert!((sample.measured.theta_rad - 0.1 * k as f64).abs() < 1e-15, "{k}");
+        }
+        assert!(matches!(without_gaps(&[sample(0, 0.0), sample(30, 1.0)]), Err(Gap(29))));
     }
 }

@@ -22,6 +22,20 @@ const PILOT_TURN_RAD: f64 = 20.0 * std::f64::consts::TAU / 4096.0;
 /// What the hub may turn beyond the travel before the runs are stopped, and how far from the start of the ramps.
 const BEYOND: f64 = 1.3;
 
+/// A pilot run turns two thirds of it on the paper's rig [degree].
+const LEAST_TRAVEL_DEG: f64 = 50.0;
+
+/// A travel for which no runs can be planned, or that the limit on the angle would cut short.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "found a travel of {found} degree, needed {least} to {most:.0}\nhint: a third of a turn is plenty: --travel-deg 120; its upper end follows --max-angle-deg"
+)]
+struct NoTravel {
+    found: f64,
+    least: f64,
+    most: f64,
+}
+
 /// The hub turned too far.
 #[derive(Debug, thiserror::Error)]
 #[error(
@@ -96,12 +110,13 @@ pub(super) fn options(parameters: &RigParameters) -> Options {
 
 /// Errors: settings of which no test can be made.
 pub(super) fn check(arguments: &cli::RigTest) -> Result<(), Failure> {
-    let refuse = |setting, found, hint| Err(Failure::while_trying(TRIED)(NoRamp { setting, found, hint }));
     if arguments.repeats == Some(0) {
-        return refuse("a number of ramps of", 0.0, "one ramp each way at least: --repeats 1");
+        let (setting, hint) = ("a number of ramps of", "one ramp each way at least: --repeats 1");
+        return Err(Failure::while_trying(TRIED)(NoRamp { setting, found: 0.0, hint }));
     }
-    if arguments.friction && !(arguments.travel_deg > 0.0 && arguments.travel_deg.is_finite()) {
-        return refuse("a travel of", arguments.travel_deg, "a third of a turn each way is plenty: --travel-deg 120");
+    let (found, most) = (arguments.travel_deg, arguments.link.max_angle_deg / BEYOND);
+    if arguments.friction && !(LEAST_TRAVEL_DEG..=most).contains(&found) {
+        return Err(Failure::while_trying(TRIED)(NoTravel { found, least: LEAST_TRAVEL_DEG, most }));
     }
     Ok(())
 }

@@ -54,8 +54,11 @@ pub(super) fn friction(found: &FrictionResult) -> Table {
         Table::new(&[("friction", ""), ("value", ""), ("standard error", ""), ("95 %", ""), ("unit", "")]),
         |table, (what, q, unit)| {
             let cell = |x: f64| Cell::Number(format!("{x:.5}"));
-            let wide = Cell::Number(format!("± {:.5}", q.half_width_95));
-            table.row([what.into(), cell(q.value), cell(q.std), wide, unit.into()])
+            // What was stated has no scatter but that of rounding.
+            let stated = q.std < 1e-9 * q.value.abs();
+            let std = if stated { Cell::Number("as stated".into()) } else { cell(q.std) };
+            let wide = if stated { String::new() } else { format!("± {:.5}", q.half_width_95) };
+            table.row([what.into(), cell(q.value), std, Cell::Number(wide), unit.into()])
         },
     )
 }
