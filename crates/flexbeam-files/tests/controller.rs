@@ -212,6 +212,14 @@ fn the_identify_result_has_the_keys_that_scripts_rely_on() {
         C: Rows::default(),
         D: Rows::default(),
         initial_state: vec![0.0],
+        integrators: 1,
+        input_delay: vec![0],
+        input_means: vec![0.0],
+        output_means: vec![0.0, 0.0],
+        estimation_fit_percent: [("theta_rad".to_string(), Some(99.5)), ("alpha_rad".to_string(), None)].into(),
+        innovations: None,
+        doubts: vec![],
+        orders: None,
         identify_s: 0.01,
     };
     let json: serde_json::Value = serde_json::from_str(&json_text(&result)).unwrap();
