@@ -11,7 +11,7 @@ use flexbeam_lti::Signals;
 use crate::Error;
 use crate::hankel::factor::Factor;
 use crate::identify::Feedthrough;
-use crate::triangle::Triangle;
+use crate::singular::pivoted;
 
 /// Samples in a row at the largest or smallest value that make a stop.
 const STOP_RUN: usize = 3;
@@ -35,6 +35,9 @@ const FEEDBACK: f64 = 0.05;
 const NOTHING_FROM_OUTSIDE: f64 = 1e-8;
 /// The outputs are not themselves known but for rounding: without noise D alone makes the input follow from them.
 const NOISE: f64 = 1e-12;
+
+/// A row that others leave less than this part of follows from them, but for rounding.
+const DEPENDENT: f64 = 1e-12;
 
 /// A sign, with its numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -193,13 +196,16 @@ pub(crate) fn of_loop(factor: &Factor, feedthrough: Feedthrough) -> Result<Optio
         factor.outputs(i..i + 1),
         factor.inputs(i..i + 1),
     ];
+    // Squared norm of the last group of rows beside those before it. Without noise these depend on each other, and what rounding leaves
+    // of such a row must not count as one.
     let left = |order: &[usize]| {
-        let chosen: Vec<usize> = order.iter().flat_map(|&k| rows[k].clone()).collect();
-        let mut triangle = Triangle::new(chosen.len());
-        triangle.absorb(&mut factor.L.select_rows(&chosen).transpose());
-        let last = rows[*order.last().expect("something is asked for")].len();
-        let n = chosen.len();
-        triangle.R.view((n - last, n - last), (last, last)).norm_squared()
+        let (last, before) = order.split_last().expect("something is asked for");
+        let before: Vec<usize> = before.iter().flat_map(|&k| rows[k].clone()).collect();
+        let mut before = factor.L.select_rows(&before).transpose();
+        before.column_iter_mut().for_each(|mut row| _ = row.normalize_mut());
+        let Q = pivoted(&before, DEPENDENT).0;
+        let now = factor.L.select_rows(&rows[*last]).transpose();
+        (&now - &Q * Q.tr_mul(&now)).norm_squared()
     };
     let (by_itself, by_past) = (left(&[0, 2]), left(&[0, 1, 2]));
     let (by_outputs, noise) = (left(&[0, 1, 3, 4]), left(&[0, 1, 2, 3]));

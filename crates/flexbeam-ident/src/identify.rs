@@ -161,6 +161,8 @@ pub struct Identified {
     pub method: Method,
     /// Delay of each input [samples].
     pub input_delay: Vec<usize>,
+    /// States that the singular values speak of: without known integrators and delays.
+    pub singular_order: usize,
     /// Gain and covariance of the innovations form; None where rounding alone is left, as without noise.
     pub innovations: Option<Innovations>,
     /// What makes the recording doubtful.
@@ -195,6 +197,7 @@ pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Resul
     Ok(Identified {
         continuous: sampling::inverse_zoh(&model),
         order: model.order(),
+        singular_order: estimate.model.order() - options.integrators,
         initial_state: prepared.first_state(&model, &estimate)?,
         model,
         singular_values: candidate.singular_values,

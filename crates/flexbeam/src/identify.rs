@@ -202,11 +202,12 @@ impl Found {
         self.identified.doubts.iter().for_each(|doubt| eprintln!("{doubt}"));
         let Identified { singular_values, order, .. } = &self.identified;
         if arguments.order == Order::Auto {
-            let next = singular_values.get(*order).copied().unwrap_or(0.0);
+            let shown = self.identified.singular_order;
+            let next = singular_values.get(shown).copied().unwrap_or(0.0);
             eprintln!(
-                "order {order} by the rule: singular value {order} is {:.3e}, the next one {next:.3e}; \
+                "order {order} by the rule: singular value {shown} is {:.3e}, the next one {next:.3e}; \
                  --plots DIR draws them, --order N decides otherwise",
-                singular_values[order - 1],
+                singular_values[shown - 1],
             );
         }
         if let Some(note) = self.refinement.as_ref().and_then(Refinement::note) {

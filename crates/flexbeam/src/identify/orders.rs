@@ -11,6 +11,9 @@ use super::{Experiment, Hinted, by_name};
 use crate::output::write_figure;
 use crate::{Failure, cli};
 
+/// A fit below this is on its way to an overflow [percent].
+const BOTTOMLESS: f64 = -1e6;
+
 /// The rows that were asked for; none where none were.
 pub(super) fn rows(
     arguments: &cli::Identify,
@@ -51,7 +54,7 @@ pub(super) fn text(experiment: &Experiment, rows: &[OrderRow]) -> String {
         return String::new();
     }
     let least = rows.iter().map(|row| row.criterion).fold(f64::INFINITY, f64::min);
-    let percent = |fit: f64| Cell::Number(if fit.is_finite() { format!("{fit:.2}") } else { "overflow".into() });
+    let percent = |fit: f64| Cell::Number(if fit > BOTTOMLESS { format!("{fit:.2}") } else { "overflow".into() });
     let columns =
         [("order", ""), ("fit on unseen samples", "%"), ("on those that estimated", "%"), ("criterion", ""), ("", "")];
     let table = rows.iter().fold(Table::new(&columns), |table, row| {
@@ -103,24 +106,22 @@ fn stabilisation(rows: &[OrderRow], outputs: usize) -> Figure {
     Figure::new(title, "Natural frequency [Hz]").size(800.0, 460.0).panel(panel.y_scale(Scale::Integer))
 }
 
+/// What is worse than the mean of the output has no place on the axes: it would hide all the others.
 fn fits(rows: &[OrderRow]) -> Figure {
     let order: Vec<f64> = rows.iter().map(|row| row.order as f64).collect();
     let of = |value: &dyn Fn(&OrderRow) -> f64| rows.iter().map(value).collect::<Vec<f64>>();
-    let unseen = of(&|row| row.fit_percent.as_ref().map_or(f64::NAN, |fits| mean(fits)));
+    let shown = |fit: f64| if fit >= 0.0 { fit } else { f64::NAN };
+    let estimating = |row: &OrderRow| shown(mean(&row.estimation_fit_percent));
+    let unseen = of(&|row| row.fit_percent.as_ref().map_or(f64::NAN, |fits| shown(mean(fits))));
+    let criterion = of(&|row| if estimating(row).is_nan() { f64::NAN } else { row.criterion });
     let mut fit = Panel::new("Fit [%]");
     if unseen.iter().any(|fit| fit.is_finite()) {
         fit = fit.with(Series::line("unseen samples", &order, &unseen).marker(Marker::Disc));
     }
-    let fit = fit.with(
-        Series::line("those that estimated", &order, &of(&|row| mean(&row.estimation_fit_percent)))
-            .marker(Marker::Circle),
-    );
-    let criterion = Panel::new("Information criterion")
-        .with(Series::line("criterion", &order, &of(&|row| row.criterion)).marker(Marker::Square));
-    Figure::new("Fit and information criterion of every order", "Order")
-        .x_scale(Scale::Integer)
-        .panel(fit)
-        .panel(criterion)
+    let fit = fit.with(Series::line("those that estimated", &order, &of(&estimating)).marker(Marker::Circle));
+    let criterion = Panel::new("Criterion").with(Series::line("", &order, &criterion).marker(Marker::Square));
+    let title = "Fit and information criterion of every order";
+    Figure::new(title, "Order").x_scale(Scale::Integer).panel(fit).panel(criterion)
 }
 
 fn mean(fits: &[f64]) -> f64 {

@@ -50,7 +50,7 @@ fn responses(path: &Path, experiment: &Experiment, found: &Found) -> Result<Vec<
 /// On a logarithmic axis, with the chosen order between those kept and those left out.
 pub(crate) fn singular_values(identified: &Identified, most: usize) -> Figure {
     let sigma: Vec<f64> = identified.singular_values.iter().copied().take(most).collect();
-    let n = identified.order.min(sigma.len());
+    let n = identified.singular_order.min(sigma.len());
     let index: Vec<f64> = (1..=sigma.len()).map(|k| k as f64).collect();
     let left_out = Series::stem("left out", &index[n..], &sigma[n..]).marker(Marker::Circle).colour(Colour::Grey);
     Figure::new("Order from the singular values", "Index").x_scale(Scale::Integer).panel(
@@ -58,7 +58,7 @@ pub(crate) fn singular_values(identified: &Identified, most: usize) -> Figure {
             .log_y()
             .stem("kept", &index[..n], &sigma[..n])
             .with(left_out)
-            .vertical(n as f64 + 0.5, &format!("chosen order n = {n}")),
+            .vertical(n as f64 + 0.5, &format!("chosen order n = {}", identified.order)),
     )
 }
 
