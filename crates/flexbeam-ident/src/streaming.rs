@@ -157,6 +157,7 @@ impl Accumulator {
             model,
             initial_state: first.initial_state,
             order: n,
+            singular_order: n,
             singular_values: found.singular_values,
             block_rows: i,
             method,

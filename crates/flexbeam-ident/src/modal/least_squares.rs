@@ -176,6 +176,8 @@ impl Equations {
 mod tests {
     use super::*;
     use crate::excitation::white_gaussian;
+    use crate::identify::Feedthrough;
+    use crate::output_map::{Unknowns, input_matrices};
 
     /// A pair, a slow mode, an integrator; two inputs, two outputs with an offset each.
     fn system() -> [Mat; 4] {
@@ -237,7 +239,8 @@ mod tests {
         let (U, Y) = record(36_000, 0.3);
         let Y = Mat::from_fn(2, 36_000, |p, k| Y[(p, k)] - [3.0, -7.0][p]);
         let [A, _, C, _] = system();
-        let wanted = crate::output_map::input_matrices(&A, &C, &U.transpose(), &Y.transpose());
+        let unknowns = Unknowns { feedthrough: Feedthrough::Free, offset: false };
+        let wanted = input_matrices(&A, &C, &U.transpose(), &Y.transpose(), unknowns);
         let solve = |threads| {
             let problem = Problem { threads, ..problem(&A, &C, &U, &Y) };
             problem.solve(Free { B: true, D: true, offset: false }).unwrap()
