@@ -5,6 +5,7 @@
 
 use crate::fault::{Fault, six_digits};
 use crate::recording::is_period;
+use crate::table::TableFault;
 use flexbeam_lti::{Mat, Signals};
 
 /// Samples that a polynomial goes through: degree 5.
@@ -25,7 +26,7 @@ pub(crate) struct Resampled {
 /// y(k T) = sum_j y_j prod_{i != j} (kT - t_i)/(t_j - t_i) over the six nearest samples.
 ///
 /// Shapes: `time_s` has an entry for each sample; it rises.
-/// Errors: [`Fault::Period`]; [`Fault::Range`] for a period far from the mean step; [`Fault::TooFewRows`].
+/// Errors: [`Fault::Period`]; [`TableFault::FarPeriod`]; [`Fault::TooFewRows`].
 /// Numerics: exact for polynomials of degree 5. The error that is stated is the difference to degree 3 through the four nearest: of a
 /// signal well below half the sampling frequency it is far above the true error; white noise shows as what it is, near the jitter.
 /// Source: Lagrange, in the barycentric-free form; six points are few.
@@ -43,13 +44,15 @@ pub(crate) fn resampled(signals: &Signals, time_s: &[f64], period_s: f64) -> Res
             first += 1;
         }
         let near = &time_s[first..first + POINTS];
-        let (six, four) = (weights(near, t), weights(&near[1..POINTS - 1], t));
+        // Towards the ends the nearest four are not the middle ones.
+        let inner = if t < near[1] { 0 } else { 1 + usize::from(t > near[POINTS - 2]) };
+        let (six, four) = (weights(near, t), weights(&near[inner..inner + POINTS - 2], t));
         for r in 0..channels {
             let value = |weights: &[f64], from: usize| -> f64 {
                 weights.iter().enumerate().map(|(j, w)| w * signals.data[(r, from + j)]).sum()
             };
             data[(r, k)] = value(&six, first);
-            errors[r].take(data[(r, k)] - value(&four, first + 1), data[(r, k)]);
+            errors[r].take(data[(r, k)] - value(&four, first + inner), data[(r, k)]);
         }
     }
     let notice = words(&signals.names, &errors, period_s, count);
@@ -65,11 +68,10 @@ fn check(time_s: &[f64], period_s: f64) -> Result<(), Fault> {
         return Err(Fault::TooFewRows { found: time_s.len(), needed: POINTS });
     }
     let mean_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
-    if !(SHORTEST..=LONGEST).contains(&(period_s / mean_s)) {
-        let needed = "between 0.5 and 1.1 of the mean step of the time axis: longer periods need a filter, shorter ones make samples up";
-        return Err(Fault::Range { key: "--resample".into(), found: period_s, needed });
+    match (SHORTEST..=LONGEST).contains(&(period_s / mean_s)) {
+        true => Ok(()),
+        false => Err(TableFault::FarPeriod { period_s, least_s: SHORTEST * mean_s, most_s: LONGEST * mean_s }.into()),
     }
-    Ok(())
 }
 
 /// What each of the samples at `near` counts for at t.
@@ -167,6 +169,12 @@ mod tests {
             assert!(wrong < most, "{hz} Hz: {wrong}");
             assert!(stated + 1e-4 >= 0.5 * wrong, "{hz} Hz: {wrong} stated {stated}");
         }
+        // Nor are the ends worse than the middle by an order, where no sample lies on one side.
+        let time_s = jittered(2000, 0.01);
+        let notice = resampled(&of(&time_s, tone(5.0)), &time_s, 0.01).unwrap().notice;
+        let figures: Vec<f64> =
+            notice.rsplit("y ").next().unwrap().split(' ').filter_map(|word| word.parse().ok()).collect();
+        assert!(figures.len() == 2 && figures[1] < 10.0 * figures[0], "{notice}");
         let (wrong, stated) = errors(tone(45.0), 0.01);
         assert!(wrong > 0.1 && stated > 0.05, "{wrong} {stated}");
     }
@@ -176,9 +184,9 @@ mod tests {
         let time_s = jittered(100, 0.01);
         let signals = of(&time_s, f64::sin);
         for period_s in [0.02, 0.0115, 0.004] {
-            assert!(
-                matches!(resampled(&signals, &time_s, period_s), Err(Fault::Range { found, .. }) if found == period_s)
-            );
+            let fault = resampled(&signals, &time_s, period_s).err();
+            let far = |found: f64| found == period_s;
+            assert!(matches!(fault, Some(Fault::Table(TableFault::FarPeriod { period_s, .. })) if far(period_s)));
         }
         assert!(matches!(resampled(&signals, &time_s, f64::NAN), Err(Fault::Period { .. })));
         let few = of(&time_s[..5], f64::sin);

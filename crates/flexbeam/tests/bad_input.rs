@@ -241,3 +241,32 @@ fn a_recording_does_not_replace_what_a_person_wrote() {
     refuses(&bench, "record -o new.csv", &["new.csv.toml", "--force"]);
     refuses(&bench, "record -o no/such/folder.csv", &["folder"]);
 }
+
+#[test]
+fn a_clock_that_jitters() {
+    let late = recording(400, |k, line| if k == 200 { format!("0.1982{}", &line[5..]) } else { line });
+    let words = ["bad.csv:20", "2 of 399 steps are off", "20.00 %", "% rms", "--resample 0.001"];
+    recording_refused(&late, "", &words);
+    recording_refused(&late, "--resample 0.003", &["a period of 0.003 s to resample to", "filter"]);
+    recording_refused(&late, "--period 0.001 --resample nan", &["NaN s", "positive"]);
+    let gap = recording(400, |k, line| if k == 200 { "#".into() } else { line });
+    recording_refused(&gap, "--resample 0.001", &["bad.csv:201", "unequal sample periods"]);
+    let bench = Bench::new();
+    bench.write("late.csv", &late);
+    let answer = bench.run("identify late.csv --resample 0.001 --order 2");
+    assert_eq!(answer.status, 0, "{}", answer.err);
+    assert!(answer.err.contains("resampled to 400 samples") && answer.err.contains("theta_rad"), "{}", answer.err);
+}
+
+/// Decimal commas between separating commas, MATLAB's HDF5, a table with both decimal signs.
+#[test]
+fn files_that_can_be_read_in_two_ways_or_in_none() {
+    let commas: String = recording(40, |_, line| line).replace('.', ",");
+    recording_refused(&commas, "", &["bad.csv:2", "as in the first row", "hint: "]);
+    let mixed = recording(400, |k, line| {
+        let line = line.replace(',', ";");
+        if k < 300 { line } else { line.replace('.', ",") }
+    });
+    recording_refused(&mixed, "", &["bad.csv:300", "the other decimal sign"]);
+    recording_refused("MATLAB 7.3 MAT-file, Platform: GLNXA64\n", "", &["HDF5", "save -v7 "]);
+}

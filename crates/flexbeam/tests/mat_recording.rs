@@ -97,7 +97,7 @@ fn files_of_octave() {
         assert_eq!(answer.status, 2, "{}", answer.err);
         assert!(answer.err.contains(words) && answer.err.contains("save -v7 "), "{}", answer.err);
     }
-    let line = "--inputs u --outputs y --order 2 --json";
+    let line = "--inputs u --outputs y --order 2";
     let of_table = bench.json(&format!("identify r.csv {line}"));
     let of_mat = bench.json(&format!("identify simulink-v7.mat {line}"));
     assert_eq!(of_mat["poles"], of_table["poles"]);

@@ -30,6 +30,15 @@ pub enum TableFault {
         /// Root mean square of all steps' deviation from the median, relative to it.
         rms: f64,
     },
+    /// A period to resample to that is far from the mean step.
+    FarPeriod {
+        /// The period [s].
+        period_s: f64,
+        /// The shortest that is taken [s].
+        least_s: f64,
+        /// The longest [s].
+        most_s: f64,
+    },
 }
 
 impl TableFault {
@@ -47,6 +56,7 @@ impl TableFault {
                 six_digits(*found_s),
                 100.0 * rms
             ),
+            TableFault::FarPeriod { period_s, .. } => format!("a period of {period_s} s to resample to"),
         }
     }
 
@@ -58,6 +68,9 @@ impl TableFault {
             TableFault::Jitter { needed_s, tolerance, .. } => {
                 format!("{} s within {} %", six_digits(*needed_s), 100.0 * tolerance)
             }
+            TableFault::FarPeriod { least_s, most_s, .. } => {
+                format!("{} to {} s, near the mean step", six_digits(*least_s), six_digits(*most_s))
+            }
         }
     }
 
@@ -67,11 +80,17 @@ impl TableFault {
             TableFault::MixedDecimals { .. } => "write 0.5 throughout, and no signs between thousands".into(),
             TableFault::LongLine => "is it the right file? A row stands in a line".into(),
             TableFault::Jitter { needed_s, .. } => {
-                let period_s = six_digits(*needed_s);
+                let period_s = two_digits(*needed_s);
                 format!("record on a clock; or --resample {period_s} interpolates, and states what that costs")
             }
+            TableFault::FarPeriod { .. } => "longer periods need a filter first, shorter ones make samples up".into(),
         }
     }
+}
+
+/// A period that a person would choose near this one.
+fn two_digits(x: f64) -> f64 {
+    format!("{x:.1e}").parse().unwrap_or(x)
 }
 
 impl From<TableFault> for Fault {
