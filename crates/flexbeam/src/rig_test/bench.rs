@@ -122,13 +122,16 @@ impl OnClock<'_> {
     }
 }
 
-/// Longest gap over which a line stands in for readings [periods]: a tenth of the shortest window that the test looks through.
+/// Longest gap over which a line stands in for readings of a hub that moves [periods]: a tenth of the shortest window that the test
+/// looks through.
 const LONGEST_GAP: u64 = 17;
+/// A hub that moved no further over a gap rested [rad]: one count and a half.
+const AT_REST_RAD: f64 = 1.5 * std::f64::consts::TAU / 4096.0;
 
 /// Too long without a reading.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "found {0} periods in a row without a reading, needed at most {LONGEST_GAP}\nhint: stop other programs, or give the loop a core of its own: --core"
+    "found {0} periods in a row without a reading while the hub moved, needed at most {LONGEST_GAP}\nhint: stop other programs, or give the loop a core of its own: --core"
 )]
 struct Gap(u64);
 
@@ -141,7 +144,8 @@ fn without_gaps(samples: &[Sample]) -> Result<Vec<Sample>, Gap> {
     for pair in fresh.windows(2) {
         let (before, next) = (pair[0], pair[1]);
         let periods = next.instant - before.instant;
-        if periods > LONGEST_GAP + 1 {
+        let moved = (next.measured.theta_rad - before.measured.theta_rad).abs() > AT_REST_RAD;
+        if moved && periods > LONGEST_GAP + 1 {
             return Err(Gap(periods - 1));
         }
         let part = |k: u64, from: f64, to: f64| from + (to - from) * k as f64 / periods as f64;
@@ -183,5 +187,6 @@ mod tests {
             assert!((sample.measured.theta_rad - 0.1 * k as f64).abs() < 1e-15, "{k}");
         }
         assert!(matches!(without_gaps(&[sample(0, 0.0), sample(30, 1.0)]), Err(Gap(29))));
+        assert_eq!(without_gaps(&[sample(0, 0.0), sample(30, 0.001)]).unwrap().len(), 31, "at rest");
     }
 }
