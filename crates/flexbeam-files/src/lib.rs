@@ -26,6 +26,7 @@ pub mod frame;
 mod friction_result;
 mod gathered;
 mod hash;
+mod identify_result;
 mod json_document;
 mod mat;
 mod mat_document;
@@ -72,6 +73,7 @@ pub use fault::Fault;
 pub use folder::{check_free_folder, write_folder};
 pub use friction_result::{FrictionResult, Quantity, RepeatedBreakaway};
 pub use hash::sha256_hex;
+pub use identify_result::{IdentifyResult, ModeResult, OrderResult, RefinedResult};
 pub use json_document::json_document;
 pub use mat::{MatVariable, is_mat_name, mat_bytes, mat_name, mat_variables};
 pub use mat_document::{SCRIPT_HEAD, mat_of_controller, mat_of_model};
@@ -85,9 +87,9 @@ pub use project_file::ProjectFile;
 pub use provenance::{Parent, Provenance, State, Step, trace};
 pub use recording::{FEWEST_ROWS, Layout, PERIOD_TOLERANCE, Recording, write_signals};
 pub use results::{
-    ColumnSummary, DesignResult, DistributedBeam, ExportResult, Figure, IdentifyResult, ModeResult, MonteCarlo,
-    NewResult, OrderResult, RationalCoefficients, RecordResult, RecordingSummary, ReferenceModel, RefinedResult,
-    RigTestResult, SampledRadius, ShowResult, SimulateResult, SolvabilityResult, Spread, VerifyResult, json_text,
+    ColumnSummary, DesignResult, DistributedBeam, ExportResult, Figure, MonteCarlo, NewResult, RationalCoefficients,
+    RecordResult, RecordingSummary, ReferenceModel, RigTestResult, SampledRadius, ShowResult, SimulateResult,
+    SolvabilityResult, Spread, VerifyResult, json_text,
 };
 pub use rig::{Rig, RigActuator, RigEncoder, RigFriction, RigGauge, RigLink, RigLumped, RigPhysical, Sees};
 pub use run_file::{
