@@ -2,7 +2,9 @@
 //!
 //! While the hub slides one way, the angular momentum of hub and link obeys, in volts (everything divided by g = K_g K_T/R),
 //!
-//!     J1 theta'' + J2 alpha'' = V - sgn(V) V_dead - s theta' - sgn(theta') V_coulomb,    s = c/b = K_g K_b + B_eq/g
+//! ```text
+//! J1 theta'' + J2 alpha'' = V - sgn(V) V_dead - s theta' - sgn(theta') V_coulomb,    s = c/b = K_g K_b + B_eq/g
+//! ```
 //!
 //! with a dead zone and a Coulomb voltage of each direction. Three facts decide what signals can tell:
 //!

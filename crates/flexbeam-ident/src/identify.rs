@@ -184,8 +184,8 @@ pub struct Identified {
 /// Assumes: all channels of both in step; the inputs excite.
 /// Errors: [`Error::Length`], [`Error::Period`], [`Error::NoChannel`], [`Error::NotFinite`], [`Error::Setting`],
 /// [`Error::TooFewSamples`], [`Error::NotExciting`], [`Error::Order`], [`Error::NoState`].
-/// Numerics: channels are scaled to unit rms, so units do not matter; orthogonal transformations only; 8 i^2 (m + l)^2
-/// operations a sample. Without noise, poles to about 1e-13.
+/// Numerics: channels are scaled to unit rms, so units do not matter. The triangular factor comes from lagged correlations, exact or
+/// provably as good, 2i (m + l)^2 products a sample; then O((2i (m + l))^3). Without noise, poles to about 1e-13.
 /// Source: the paper, (7)-(17); DESIGN section 5 says where the default differs.
 pub fn identify(inputs: &Signals, outputs: &Signals, options: &Options) -> Result<Identified, Error> {
     let prepared = Prepared::new(inputs, outputs, options)?;

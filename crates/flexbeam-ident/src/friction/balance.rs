@@ -2,7 +2,9 @@
 //!
 //! Each window multiplies the balance of [`super`] by phi = sin^4 and integrates by parts, so that no signal is differentiated:
 //!
-//!     J1 <phi'' theta> + J2 <phi'' alpha> + V_c+ (<phi sgn+> - <phi on+>) + V_c- (<on-> - <sgn->) - delay <phi' V> = <phi V> - dry ..
+//! ```text
+//! J1 <phi'' theta> + J2 <phi'' alpha> + V_c+ (<phi sgn+> - <phi on+>) + V_c- (<on-> - <sgn->) - delay <phi' V> = <phi V> - dry ..
+//! ```
 //!
 //! The beam's modes above the first follow the hub at once, with a part in the momentum that alpha does not show: a term
 //! J3 <phi^(4) theta> stands for them. Without it V_coulomb came out 1 % large on the distributed beam.
