@@ -117,7 +117,12 @@ mod tests {
         for _ in 0..5000 {
             let gain = &A * &P * C.transpose() + &S;
             let inner = (&C * &P * C.transpose() + &R).cholesky().unwrap();
-            P = &A * &P * A.transpose() + &Q - &gain * inner.solve(&gain.transpose());
+            // Joseph's form: a sum of squares, which rounding cannot drive out of symmetry and below zero.
+            let K = inner.solve(&gain.transpose()).transpose();
+            let F = &A - &K * &C;
+            let cross = &K * S.transpose();
+            P = &F * &P * F.transpose() + &Q + &K * &R * K.transpose() - &cross - cross.transpose();
+            P = symmetric_part(&P);
         }
         assert!((&found.P - &P).norm() < 1e-11 * P.norm());
         assert!(found.residual < 1e-13, "{:e}", found.residual);
