@@ -116,6 +116,14 @@ pub enum Error {
         /// What was asked for.
         structure: &'static str,
     },
+    /// A refinement of a model whose states are in part a known delay.
+    #[error(
+        "the model carries an input delay of {delay} samples as states, which a refinement would take for poles to move; hint: leave --delay or --refine out"
+    )]
+    DelayRefined {
+        /// Longest delay of an input [samples].
+        delay: usize,
+    },
     /// The outputs do not answer to the inputs or to any state at all.
     #[error("the outputs are constant or do not depend on the past: no state to identify")]
     NoState,

@@ -9,8 +9,10 @@ fn recording(rows: usize, change: impl Fn(usize, String) -> String) -> String {
     let voltage = support::pseudorandom(rows);
     let mut theta = 0.0;
     let lines = voltage.iter().enumerate().map(|(k, v)| {
+        let line = format!("{:.3},{v:?},{theta:?},{:?}", k as f64 / 1000.0, 0.5 * v * theta);
+        // A voltage turns the hub from then on; angles that gave it away at once would look like a controller's.
         theta += 0.01 * v;
-        format!("{:.3},{v:?},{theta:?},{:?}", k as f64 / 1000.0, 0.5 * v * theta)
+        line
     });
     let header = std::iter::once("time_s,voltage_v,theta_rad,alpha_rad".to_string());
     header.chain(lines).enumerate().map(|(k, line)| change(k + 1, line) + "\n").collect()

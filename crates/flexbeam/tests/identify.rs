@@ -276,6 +276,8 @@ fn a_refined_model_is_nearer_to_its_recording() {
         assert!(number(refined, "missed_after") < 0.99 * number(refined, "missed_before"), "{refined}");
         assert!(number(refined, "iterations") > 0.0 && number(refined, "refine_s") > 0.0);
         assert_eq!(refined["K"].is_null(), errors == "simulated", "{refined}");
+        // The gain of the model that was would not fit.
+        assert!(answer["innovations"].is_null());
         let file = &bench.json(&format!("show {errors}.toml"))["content"]["identification"]["refinement"];
         assert_eq!(file["missed_after"], refined["missed_after"]);
         assert_ne!(answer["A"], plain["A"]);
@@ -438,6 +440,9 @@ fn known_structure_goes_through_the_files() {
     assert_eq!(content["identification"]["input_delay"], answer["input_delay"]);
     assert_eq!(content["innovations"], answer["innovations"]);
     assert_eq!(answer["innovations"]["K"].as_array().unwrap().len(), 44);
+    let refused = bench.run("identify late.csv --outputs psi_rad --delay 40 --order 4 --refine -o none.toml");
+    assert!(refused.status == 2 && refused.err.contains("an input delay of 40 samples"), "{}", refused.err);
+    assert!(!bench.path("none.toml").exists());
     let free = bench.json("identify late.csv --outputs psi_rad --no-feedthrough --order 4 -o free.toml");
     assert_eq!(free["D"], serde_json::json!([[0.0]]));
 }

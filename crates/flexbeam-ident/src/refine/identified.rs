@@ -9,8 +9,9 @@ use crate::{Error, Identified};
 
 /// The identified model refined on its estimating samples, and judged anew on both parts.
 ///
+/// Returns the gain of predicted errors beside the model ([`Refined::K`]); the innovations of the model that was are gone.
 /// Assumes: the recording that was identified.
-/// Errors: those of [`refine`].
+/// Errors: those of [`refine`]; [`Error::DelayRefined`].
 pub fn refine_identified(
     identified: &Identified,
     inputs: &Signals,
@@ -18,6 +19,9 @@ pub fn refine_identified(
     settings: &Settings,
     watch: Watch,
 ) -> Result<(Identified, Refined), Error> {
+    if let Some(delay) = identified.input_delay.iter().copied().max().filter(|delay| *delay > 0) {
+        return Err(Error::DelayRefined { delay });
+    }
     let U = without_means(&inputs.data, &identified.input_means);
     let Y = without_means(&outputs.data, &identified.output_means);
     let (s, all) = (identified.estimation_samples, U.ncols());
@@ -39,6 +43,7 @@ pub fn refine_identified(
         output_means: identified.output_means.iter().zip(&refined.offset).map(|(mean, d)| mean + d).collect(),
         fit_percent,
         estimation_fit_percent,
+        innovations: None,
         ..identified.clone()
     };
     Ok((identified, refined))
