@@ -3,7 +3,7 @@
 use flexbeam_ident::excitation::white_gaussian;
 use flexbeam_ident::streaming::Accumulator;
 use flexbeam_ident::validator::Validator;
-use flexbeam_ident::{Error, Identified, Options, Order, identify};
+use flexbeam_ident::{Error, Identified, Method, Options, Order, identify};
 use flexbeam_lti::{C64, Mat, Signals, StateSpace, Vector, sampling, simulation};
 use flexbeam_rig::{Lumped, Output};
 
@@ -27,8 +27,9 @@ fn accumulator() -> Accumulator {
     Accumulator::new(&["voltage_v".into()], &["alpha_rad".into()], I, 2).unwrap()
 }
 
+/// MOESP: a stream lets no weights compete.
 fn options() -> Options {
-    Options { block_rows: I, order: Order::Fixed(3), estimate: 1.0, ..Options::default() }
+    Options { block_rows: I, order: Order::Fixed(3), estimate: 1.0, method: Method::Moesp, ..Options::default() }
 }
 
 fn absorb(to: &mut Accumulator, (u, y): &(Mat, Mat), chunk: usize) {

@@ -12,6 +12,7 @@ use super::descent::{Descent, Standing, Watch};
 use super::local::Point;
 use super::sensitivity::Record;
 use super::{Errors, Progress, Settings};
+use crate::correlation::{Channels, NotFinite};
 use crate::output_map::{Unknowns, input_matrices};
 use crate::validate::validate;
 use crate::{Error, Feedthrough};
@@ -42,6 +43,11 @@ pub(super) fn check(start: &StateSpace, U: &Mat, Y: &Mat, settings: &Settings) -
     let needed = parameters.div_ceil(l.max(1)) + 1;
     if U.ncols() < needed {
         return Err(Error::TooFewSamples { what: "refinement", found: U.ncols(), needed, block_rows: 1 });
+    }
+    if let Some(NotFinite { channel, sample }) = Channels::of_rows(U).beside(Channels::of_rows(Y)).not_finite() {
+        let (of, row, data) = if channel < m { ("input", channel, U) } else { ("output", channel - m, Y) };
+        let channel = format!("{of} {row} (from 0)");
+        return Err(Error::NotFinite { channel, sample, value: data[(row, sample)] });
     }
     if !(settings.tolerance > 0.0) {
         return Err(Error::Setting { setting: "tolerance", found: settings.tolerance, needed: "a positive number" });
