@@ -34,7 +34,7 @@ pub(crate) fn modes(model: &StateSpace, period_s: f64) -> Vec<Mode> {
         let v = model.C.map(C64::from) * eigenvector(&model.A, *z);
         Mode { frequency_rad_s: s.norm(), damping: -s.re / s.norm(), shape: v.iter().copied().collect() }
     };
-    let poles = model.A.complex_eigenvalues();
+    let poles = model.poles();
     let mut found: Vec<Mode> = poles.iter().filter(|z| z.im > 0.0).map(swings).collect();
     found.sort_by(|a, b| a.frequency_rad_s.total_cmp(&b.frequency_rad_s));
     found

@@ -3,7 +3,7 @@
 //! Enters: A, C, inputs, outputs, what is known. Leaves: the B, D, x(0), d whose simulated output is nearest to the recorded one.
 //! Deliberately absent: one-step prediction.
 
-use flexbeam_lti::{Mat, Vector};
+use flexbeam_lti::{Mat, Vector, schur};
 
 use crate::identify::Feedthrough;
 use crate::singular::basic_solution;
@@ -171,7 +171,8 @@ impl DualStates {
 
 /// Samples in which no response of A grows by more than [`LARGEST_GROWTH`], at least as many as x(0) and some equations need.
 fn stretch(A: &Mat, s: usize) -> usize {
-    let radius = A.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max);
+    let poles = schur::spectrum(A).unwrap_or_default();
+    let radius = poles.iter().map(|z| z.norm()).fold(0.0, f64::max);
     let limit = LARGEST_GROWTH.ln() / radius.ln().max(f64::MIN_POSITIVE);
     let least = 4 * (A.nrows() + 1);
     (limit.min(s as f64) as usize).max(least).min(s.max(1))

@@ -1,6 +1,6 @@
 //! Modes of a real matrix.
 
-use flexbeam_lti::{C64, CMat, Mat};
+use flexbeam_lti::{C64, CMat, Mat, schur};
 
 /// A basis of modes worse than this is left alone: the iteration that refines the solution could not make up for it.
 const LARGEST_CONDITION: f64 = 1e7;
@@ -16,7 +16,7 @@ impl Modes {
     /// None when the modes are no basis to speak of: a pole that is repeated, or nearly.
     pub fn of(A: &Mat) -> Option<Modes> {
         let n = A.nrows();
-        let poles: Vec<C64> = A.complex_eigenvalues().iter().copied().filter(|z| z.im >= 0.0).collect();
+        let poles: Vec<C64> = schur::spectrum(A).ok()?.into_iter().filter(|z| z.im >= 0.0).collect();
         if poles.iter().map(|z| if z.im > 0.0 { 2 } else { 1 }).sum::<usize>() != n {
             return None;
         }
