@@ -37,6 +37,10 @@ impl<'a> Prepared<'a> {
     /// Errors: as [`crate::identify()`], all that can be known before the factor.
     pub fn new(inputs: &'a Signals, outputs: &'a Signals, options: &Options) -> Result<Prepared<'a>, Error> {
         check(inputs, outputs, options)?;
+        if options.delay != Delay::Samples(0) {
+            // Moved inputs leave some samples unseen.
+            expect_finite(inputs, outputs)?;
+        }
         let (m, l, i, threads) = (inputs.channels(), outputs.channels(), options.block_rows, options.threads());
         let recorded = Channels::of_rows(&inputs.data).beside(Channels::of_rows(&outputs.data));
         let all = estimation_samples(recorded.samples(), options)?;
@@ -136,8 +140,7 @@ fn delays(estimating: &Channels, m: usize, options: &Options) -> Result<Vec<usiz
         Delay::Samples(d) => Ok(vec![d; m]),
         Delay::Auto => {
             expect_samples("estimation", estimating.samples(), samples_needed(i, m, estimating.count() - m), i)?;
-            // What is not finite is refused, with its place, by whoever reads the samples next.
-            let Ok(gram) = gram_of(estimating, i, threads) else { return Ok(vec![0; m]) };
+            let gram = gram_of(estimating, i, threads).expect("finite samples");
             let (scaling, _) = Scaling::of(gram, |_| true);
             let (U, Y) = Samples { channels: estimating.clone(), scaling: &scaling, m, threads }.matrices();
             delay::estimated(&U, &Y, i)

@@ -1,7 +1,7 @@
 //! Bad input: what is refused, with which numbers.
 
 use flexbeam_ident::excitation::white_gaussian;
-use flexbeam_ident::{Error, Options, Order, identify};
+use flexbeam_ident::{Delay, Error, Options, Order, identify};
 use flexbeam_lti::{Mat, Signals};
 
 fn channel(name: &str, period_s: f64, data: Vec<f64>) -> Signals {
@@ -34,6 +34,20 @@ fn a_missing_value_is_named_by_channel_and_sample() {
     y[417] = f64::NAN;
     let error = refused(channel("voltage_v", 0.1, u), channel("theta_rad", 0.1, y), Options::default());
     assert!(matches!(&error, Error::NotFinite { channel, sample: 417, .. } if channel == "theta_rad"), "{error}");
+}
+
+/// A delay takes the first outputs and the last inputs out of the equations, not out of sight.
+#[test]
+fn a_missing_value_is_named_where_a_delay_passes_over_it() {
+    for delay in [Delay::Samples(5), Delay::Auto] {
+        for (first, sample) in [(false, 2), (true, 998)] {
+            let (mut u, mut y) = (white(1000), answer(&white(1000)));
+            (if first { &mut u } else { &mut y })[sample] = f64::NAN;
+            let options = Options { delay, ..Options::default() };
+            let error = refused(channel("voltage_v", 0.1, u), channel("theta_rad", 0.1, y), options);
+            assert!(matches!(&error, Error::NotFinite { sample: found, .. } if *found == sample), "{delay:?}: {error}");
+        }
+    }
 }
 
 #[test]
